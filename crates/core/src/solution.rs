@@ -1,0 +1,61 @@
+//! What a method answers: where, how fast, which way, and how sure.
+
+use crate::attitude::Attitude;
+use crate::time::Time;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Covariance of `[position (m), velocity (m/s), attitude (rotation vector in n, rad)]`.
+pub type SolutionCovariance = SMatrix<f64, 9, 9>;
+
+/// How far a solution can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// Held by position fixes: the error does not grow with the distance walked.
+    Fixed,
+    /// Dead reckoning from the last fix or from the start: the error grows, and the covariance says how.
+    DeadReckoning,
+    /// The method knows that it has lost the walker.
+    Lost,
+}
+
+/// State of one walker at one time, in the navigation frame (ENU, z up) of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Solution {
+    /// Time of validity.
+    pub time: Time,
+    /// Position (east, north, up), m.
+    pub position_m: Vector3<f64>,
+    /// Velocity (east, north, up), m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Body-to-navigation rotation.
+    pub attitude: Attitude,
+    /// Covariance of position, velocity and attitude error, in this order.
+    pub covariance: SolutionCovariance,
+    /// How far to trust it.
+    pub quality: Quality,
+}
+
+impl Solution {
+    /// Covariance of the position, m².
+    pub fn position_covariance(&self) -> Matrix3<f64> {
+        self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
+    /// Radius of the horizontal circle that holds the true position with 95 % probability, m.
+    ///
+    /// Between the exact quantiles of the circular (2.4477 σ) and the line-like (1.9600 σ) Gaussian the radius is
+    /// taken on a straight line in the ratio of the axes: at most 2.5 % off the exact one, at a middle ratio.
+    pub fn radius_95_m(&self) -> f64 {
+        let (a, b, c) = (self.covariance[(0, 0)], self.covariance[(0, 1)], self.covariance[(1, 1)]);
+        let mean = 0.5 * (a + c);
+        let half_gap = libm::hypot(0.5 * (a - c), b);
+        let major = libm::sqrt((mean + half_gap).max(0.0));
+        let minor = libm::sqrt((mean - half_gap).max(0.0));
+        if major == 0.0 {
+            return 0.0;
+        }
+        1.96 * major + (2.4477 - 1.96) * minor * (minor / major)
+    }
+}
