@@ -83,14 +83,16 @@ fn renormalise(q: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 /// Attitude that levels a specific force measured at rest, with the given heading of the body's x axis.
 ///
 /// Roll and pitch come from gravity, whatever way up the sensor is mounted (Groves 2013, eq. 5.101, in z-up form).
-/// `heading_rad` is the compass heading of the body x axis projected on the level; where x is vertical
-/// the body z axis takes its place.
-/// `None` when the specific force is zero or not finite.
+/// `heading_rad` is the compass heading of the body x axis projected on the level; where x is within 2.6° of the
+/// vertical the body z axis takes its place.
+/// `None` when the specific force is zero, or it, its norm or the heading is not finite.
 pub fn level(specific_force: &Vector3<f64>, heading_rad: f64) -> Option<Attitude> {
-    let up = specific_force.try_normalize(f64::MIN_POSITIVE)?;
-    if !up.iter().all(|v| v.is_finite()) || !heading_rad.is_finite() {
+    let norm = specific_force.norm();
+    // An overflowing norm would otherwise make a zero vector of a finite force.
+    if !norm.is_finite() || !heading_rad.is_finite() {
         return None;
     }
+    let up = specific_force.try_normalize(f64::MIN_POSITIVE)?;
     // Horizontal direction nearest to the reference axis of the body.
     let reference = if up.x.abs() < 0.999 { Vector3::x() } else { Vector3::z() };
     let forward = (reference - up * up.dot(&reference)).try_normalize(f64::MIN_POSITIVE)?;
@@ -102,7 +104,8 @@ pub fn level(specific_force: &Vector3<f64>, heading_rad: f64) -> Option<Attitude
     Some(turn_navigation(&attitude, &Vector3::new(0.0, 0.0, turn)))
 }
 
-/// Direction cosine matrix to unit quaternion (Shepperd 1978: the largest component first, never divides by a small number).
+/// Direction cosine matrix to unit quaternion (Shepperd 1978: the largest component first, so that nothing is divided
+/// by a small number).
 pub fn from_matrix(c: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let trace = c.trace();
     let squares = [
