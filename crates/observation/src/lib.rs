@@ -1,8 +1,64 @@
 //! What a sensor said, when, and how well.
 //!
-//! The types are `no_std`; log files, trajectories as text and sidecars need the feature `std`.
+//! The types ([`Observation`], [`ImuSample`], …) are `no_std`. With the feature `std` (default) this room also reads
+//! and writes the files they travel in:
+//!
+//! | file | module | in | out |
+//! |---|---|---|---|
+//! | log as CSV with units in the header, plain or gzip | [`csv_log`] | yes | yes |
+//! | log as MCAP with protobuf schemas | [`mcap_log`] | yes | yes |
+//! | sidecar of a log: mounting, frames, noise | [`sidecar`] | yes | – |
+//! | trajectory as TUM text | [`tum`] | yes | yes |
+//! | truth as CSV | [`truth`] | yes | – |
+//! | solutions with covariance as CSV | [`solution_csv`] | yes | yes |
+//!
+//! Whoever wants observations calls [`open`], which tells the format by content, applies the sidecar and checks
+//! order and units on the way:
+//!
+//! ```no_run
+//! # fn main() -> Result<(), adit_observation::LogError> {
+//! let mut log = adit_observation::open("walk_imu.csv.gz")?;
+//! for observation in log.by_ref() {
+//!     println!("{}", observation?.time());
+//! }
+//! for warning in log.warnings() {
+//!     eprintln!("{warning}");
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Parsers take any [`std::io::Read`] and do no other I/O; every file is written beside its target and renamed when
+//! complete, so that none is ever left half written.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod imu;
 
+#[cfg(feature = "std")]
+pub mod csv_log;
+#[cfg(feature = "std")]
+mod error;
+#[cfg(feature = "std")]
+pub mod files;
+#[cfg(feature = "std")]
+mod log;
+#[cfg(feature = "std")]
+pub mod order;
+#[cfg(feature = "std")]
+pub mod plausibility;
+#[cfg(feature = "std")]
+mod source;
+#[cfg(feature = "std")]
+pub mod tum;
+#[cfg(feature = "std")]
+mod warning;
+
+#[cfg(feature = "std")]
+pub use error::{At, LogError, Place};
 pub use imu::{ImuSample, ImuSpecification, MagneticSample, Observation};
+#[cfg(feature = "std")]
+pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
+#[cfg(feature = "std")]
+pub use source::LogSource;
+#[cfg(feature = "std")]
+pub use warning::{LogWarning, Warnings};

@@ -1,0 +1,145 @@
+use crate::error::LogError;
+use crate::files::AtomicFile;
+use crate::files::decimal::ShortSeconds;
+use crate::imu::{ImuSample, MagneticSample, Observation};
+use adit_core::nalgebra::Vector3;
+use adit_core::time::Time;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Which sensors a CSV log has columns for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sensors {
+    /// Accelerometer and gyro.
+    Imu,
+    /// Accelerometer, gyro and magnetometer; a row without a magnetic reading has empty fields.
+    ImuMagnetic,
+    /// Magnetometer alone.
+    Magnetic,
+}
+
+impl Sensors {
+    /// The header line.
+    pub const fn header(self) -> &'static str {
+        match self {
+            Self::Imu => "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s",
+            Self::ImuMagnetic => {
+                "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,mag_x_uT,mag_y_uT,mag_z_uT"
+            }
+            Self::Magnetic => "time_s,mag_x_uT,mag_y_uT,mag_z_uT",
+        }
+    }
+}
+
+/// Writes a CSV log observation by observation; the file appears at [`CsvLogWriter::finish`], and not at all when dropped
+/// before. A name that ends in `.gz` compresses it.
+///
+/// Times and values are written as the shortest decimal that reads back the same, so that reading and writing a log
+/// changes nothing. A magnetic reading must share its time with the inertial sample before it
+/// ([`Sensors::ImuMagnetic`]) or have its own file ([`Sensors::Magnetic`]); MCAP takes any mixture.
+pub struct CsvLogWriter {
+    file: AtomicFile,
+    sensors: Sensors,
+    latest: Option<Time>,
+    /// The inertial sample whose row is not complete until it is clear whether a magnetic reading follows.
+    open_row: Option<ImuSample>,
+}
+
+impl CsvLogWriter {
+    /// Starts a file.
+    pub fn create(path: impl AsRef<Path>, sensors: Sensors) -> Result<Self, LogError> {
+        let mut file = AtomicFile::create(path)?;
+        writeln!(file, "{}", sensors.header()).map_err(|e| file.error(e))?;
+        Ok(Self { file, sensors, latest: None, open_row: None })
+    }
+
+    /// Writes one observation; times must rise.
+    pub fn push(&mut self, observation: &Observation) -> Result<(), LogError> {
+        match (observation, self.sensors) {
+            (Observation::Imu(sample), Sensors::Imu | Sensors::ImuMagnetic) => self.push_imu(*sample),
+            (Observation::Magnetic(sample), Sensors::ImuMagnetic) => self.push_beside(sample),
+            (Observation::Magnetic(sample), Sensors::Magnetic) => {
+                self.check(sample.time, [&sample.field_ut])?;
+                write_row(&mut self.file, sample.time, &[&sample.field_ut], false)
+                    .map_err(|e| self.file.error(e))
+            }
+            (Observation::Imu(sample), Sensors::Magnetic) => {
+                Err(self.refuse(format!("an inertial sample at {} s in a magnetic log", sample.time)))
+            }
+            (Observation::Magnetic(sample), Sensors::Imu) => {
+                Err(self.refuse(format!("a magnetic reading at {} s in an inertial log", sample.time)))
+            }
+        }
+    }
+
+    fn push_imu(&mut self, sample: ImuSample) -> Result<(), LogError> {
+        self.check(sample.time, [&sample.specific_force_m_s2, &sample.angular_rate_rad_s])?;
+        if self.sensors == Sensors::ImuMagnetic {
+            self.close_row(None)?;
+            self.open_row = Some(sample);
+            return Ok(());
+        }
+        let triples = [&sample.specific_force_m_s2, &sample.angular_rate_rad_s];
+        write_row(&mut self.file, sample.time, &triples, false).map_err(|e| self.file.error(e))
+    }
+
+    fn push_beside(&mut self, sample: &MagneticSample) -> Result<(), LogError> {
+        if self.open_row.is_none_or(|row| row.time != sample.time) {
+            let time = sample.time;
+            return Err(
+                self.refuse(format!("a magnetic reading at {time} s has no inertial sample of that time"))
+            );
+        }
+        if !sample.field_ut.iter().all(|v| v.is_finite()) {
+            return Err(self.not_finite(sample.time));
+        }
+        self.close_row(Some(sample))
+    }
+
+    fn close_row(&mut self, magnetic: Option<&MagneticSample>) -> Result<(), LogError> {
+        let Some(row) = self.open_row.take() else { return Ok(()) };
+        let mut triples = vec![&row.specific_force_m_s2, &row.angular_rate_rad_s];
+        triples.extend(magnetic.map(|sample| &sample.field_ut));
+        write_row(&mut self.file, row.time, &triples, magnetic.is_none()).map_err(|e| self.file.error(e))
+    }
+
+    fn check<const N: usize>(&mut self, time: Time, triples: [&Vector3<f64>; N]) -> Result<(), LogError> {
+        if let Some(before) = self.latest
+            && time <= before
+        {
+            return Err(self.refuse(format!("a sample at {time} s after one at {before} s")));
+        }
+        if !triples.iter().all(|t| t.iter().all(|v| v.is_finite())) {
+            return Err(self.not_finite(time));
+        }
+        self.latest = Some(time);
+        Ok(())
+    }
+
+    fn not_finite(&self, time: Time) -> LogError {
+        self.refuse(format!("the sample at {time} s has a component that is not a finite number"))
+    }
+
+    fn refuse(&self, what: String) -> LogError {
+        LogError::CannotWrite { file: self.file.target().to_path_buf(), what }
+    }
+
+    /// Completes the file and gives it its name.
+    pub fn finish(mut self) -> Result<(), LogError> {
+        self.close_row(None)?;
+        self.file.finish()
+    }
+}
+
+fn write_row(
+    file: &mut AtomicFile,
+    time: Time,
+    triples: &[&Vector3<f64>],
+    empty_magnetic: bool,
+) -> io::Result<()> {
+    write!(file, "{}", ShortSeconds(time))?;
+    for value in triples.iter().flat_map(|t| t.iter()) {
+        write!(file, ",{value}")?;
+    }
+    writeln!(file, "{}", if empty_magnetic { ",,," } else { "" })
+}

@@ -1,0 +1,160 @@
+//! Do the numbers fit the units in the header?
+//!
+//! Gravity tells. Over the first [`LOOKED_AT`] inertial samples the median length of the specific force is taken, of the
+//! samples with a slow gyro where there are enough of them, else of all. A real log in m/s² has it between 8 and
+//! 12 at rest and well above 3 even while running; the confusions people make are factors of 9.8, 57.3 or 1000 away:
+//!
+//! | median, m/s² | verdict |
+//! |---|---|
+//! | 0.5–2 | error: g under the name m/s², or a log with gravity taken out |
+//! | 70–130 | error: m/s² under the name g |
+//! | 700–1300 | error: mg or cm/s² under the name m/s² |
+//! | else outside 3–40 | warning |
+//! | 3–40 | fine |
+//!
+//! An angular rate past [`FASTEST_GYRO_RAD_S`] on one axis is past the range of every MEMS gyro, in any sample of the log:
+//! error, deg/s under the name rad/s. (A foot in deg/s passes it within a step; a sensor that hardly turns does not, so
+//! silence proves nothing.)
+
+use crate::error::{At, LogError, Place};
+use crate::imu::{ImuSample, Observation};
+use crate::source::LogSource;
+use crate::warning::{LogWarning, Warnings};
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Inertial samples looked at before the first observation is let through.
+pub const LOOKED_AT: usize = 1000;
+/// Widest ranges sold are ±4000 °/s (69.8 rad/s) per axis.
+pub const FASTEST_GYRO_RAD_S: f64 = 75.0;
+/// With fewer samples nothing is concluded from gravity.
+const FEWEST_SAMPLES: usize = 10;
+/// Slower than this counts as quiet, rad/s (20 °/s); where so many are quiet, the others are left out.
+const QUIET_RATE_RAD_S: f64 = 0.35;
+const ENOUGH_QUIET: usize = 50;
+
+/// A log whose units are checked against gravity and the range of gyros.
+pub struct UnitChecked<S> {
+    source: S,
+    queue: VecDeque<(Observation, At)>,
+    /// What the source said at the end of the queue, if it ended badly.
+    failure: Option<LogError>,
+    looked: bool,
+}
+
+impl<S: LogSource> UnitChecked<S> {
+    /// Checks the units of `source`.
+    pub fn new(source: S) -> Self {
+        Self { source, queue: VecDeque::new(), failure: None, looked: false }
+    }
+
+    /// Reads ahead and gives the verdict on gravity; done by the first observation otherwise. `false`: there is none at all.
+    pub fn look_ahead(&mut self, warnings: &mut Warnings) -> Result<bool, LogError> {
+        if self.looked {
+            return Ok(!self.queue.is_empty());
+        }
+        self.looked = true;
+        let mut inertial = 0;
+        while inertial < LOOKED_AT && self.queue.len() < 2 * LOOKED_AT {
+            match self.source.next_observation(warnings) {
+                Ok(Some(located)) => {
+                    inertial += usize::from(matches!(located.0, Observation::Imu(_)));
+                    self.queue.push_back(located);
+                }
+                Ok(None) => break,
+                Err(error) => {
+                    self.failure = Some(error);
+                    break;
+                }
+            }
+        }
+        if let Some(verdict) = self.gravity_verdict(warnings) {
+            return Err(verdict);
+        }
+        match self.failure.take_if(|_| self.queue.is_empty()) {
+            Some(failure) => Err(failure),
+            None => Ok(!self.queue.is_empty()),
+        }
+    }
+
+    fn gravity_verdict(&self, warnings: &mut Warnings) -> Option<LogError> {
+        let samples = || {
+            self.queue.iter().filter_map(|(observation, _)| match observation {
+                Observation::Imu(sample) => Some(sample),
+                Observation::Magnetic(_) => None,
+            })
+        };
+        let quiet = samples().filter(|s| s.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S).map(force);
+        let mut forces: Vec<f64> = quiet.collect();
+        if forces.len() < ENOUGH_QUIET {
+            forces = samples().map(force).collect();
+        }
+        if forces.len() < FEWEST_SAMPLES {
+            return None;
+        }
+        let middle = forces.len() / 2;
+        let (_, median, _) = forces.select_nth_unstable_by(middle, f64::total_cmp);
+        let median = *median;
+        let place = Place::new(self.source.file(), self.queue.back()?.1);
+        let verdict = match median {
+            0.5..=2.0 => "this looks like g, not m/s² (or gravity has been taken out)",
+            70.0..=130.0 => "this looks like m/s², not g",
+            700.0..=1300.0 => "this looks like mg or cm/s², not m/s²",
+            3.0..=40.0 => return None,
+            _ => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "a float saturates when it becomes an integer"
+                )]
+                let median_mm_s2 = (median * 1000.0).round() as i64;
+                warnings.push(LogWarning::UnlikelyGravity { place, median_mm_s2 });
+                return None;
+            }
+        };
+        Some(LogError::ImplausibleUnit {
+            place,
+            quantity: "specific force at rest",
+            found: format!("a median of {median:.3} m/s² after conversion"),
+            expected: "about 9.8 m/s²",
+            verdict,
+        })
+    }
+}
+
+fn force(sample: &ImuSample) -> f64 {
+    sample.specific_force_m_s2.norm()
+}
+
+impl<S: LogSource> LogSource for UnitChecked<S> {
+    fn next_observation(&mut self, warnings: &mut Warnings) -> Result<Option<(Observation, At)>, LogError> {
+        if !self.looked {
+            self.look_ahead(warnings)?;
+        }
+        let next = match (self.queue.pop_front(), self.failure.take()) {
+            (Some(located), failure) => {
+                self.failure = failure;
+                Some(located)
+            }
+            (None, Some(failure)) => return Err(failure),
+            (None, None) => self.source.next_observation(warnings)?,
+        };
+        if let Some((Observation::Imu(sample), at)) = &next {
+            let fastest = sample.angular_rate_rad_s.amax();
+            if fastest > FASTEST_GYRO_RAD_S {
+                return Err(LogError::ImplausibleUnit {
+                    place: Place::new(self.source.file(), *at),
+                    quantity: "angular rate",
+                    found: format!("{fastest:.1} rad/s on one axis"),
+                    expected: "at most 75 rad/s",
+                    verdict: "this looks like deg/s, not rad/s",
+                });
+            }
+        }
+        Ok(next)
+    }
+
+    fn file(&self) -> &Arc<Path> {
+        self.source.file()
+    }
+}
