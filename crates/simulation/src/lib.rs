@@ -1,1 +1,32 @@
-//! TODO
+//! Truth and sensor errors from closed-form motion.
+//!
+//! A simulation is a chain of four parts, each usable alone:
+//!
+//! 1. [`WalkPlan`]: legs (straight, arc, turn, ramp, stairs, stand) become footprints;
+//! 2. [`FootWalk`]: the pose of a foot-mounted sensor as a C³ function of time, with exact derivatives;
+//! 3. [`IdealImu`]: what a faultless IMU would read over a sample's interval;
+//! 4. [`ImuErrors`]: what a real one makes of it.
+//!
+//! [`generate`] runs them for a [`FootWalkScenario`] and streams samples with the truth. Frames are those of
+//! [`adit_core`]: ENU, z up. This crate never uses the estimators, and shares no mechanisation with them: it has no
+//! strapdown integration at all.
+
+mod blend;
+mod error;
+mod gait;
+mod jet;
+mod walk_plan;
+
+pub mod foot_motion;
+pub mod ideal_imu;
+pub mod imu_errors;
+pub mod imu_presets;
+pub mod scenario;
+
+pub use error::SimulationError;
+pub use foot_motion::{FootState, FootWalk};
+pub use gait::{Foot, Gait};
+pub use ideal_imu::{IdealImu, Inertial, STANDARD_GRAVITY_M_S2, Sampling};
+pub use imu_errors::{ImuErrorModel, ImuErrors, TriadErrors};
+pub use scenario::{FootWalkScenario, Generator, TruthState, generate};
+pub use walk_plan::{Footprint, Leg, Stride, WalkPlan};

@@ -1,0 +1,244 @@
+//! Truth: the pose of a sensor on a walking foot, in closed form.
+//!
+//! # Model
+//! Each stride is still on one footprint and then moves to the next. While it moves, with `u ∈ [0, 1]` the share of the
+//! moving time, the sensor is carried by a rigid foot with attitude `R = Rz(ψ) Ry(θ) Rx(φ)` and a pivot:
+//!
+//! `p(u) = c(u) + R(u) (−r(u))`, `r(u) = r_ball + w(u) (r_heel − r_ball)`
+//!
+//! where `r` points from the sensor to the pivot, foot axes. The pivot starts as the ball of the foot, which stands on the floor
+//! while the heel rises (the sensor then moves at `ω × r`), and becomes the heel, on which the foot lands and
+//! rolls to flat. `c`, `w` and the angles are sums of the smooth windows of [`crate::blend`]:
+//!
+//! | function | windows (shares of the moving time) |
+//! |---|---|
+//! | pitch `θ`: early heel-off, heel-off, swing to toe-up, foot slap, settling | 0–0.30, 0.12–0.42, 0.33–0.88, 0.85–0.96, 0.88–1 |
+//! | pivot forward `c`, as the mean of two steps | 0.22–0.80, 0.34–0.90 |
+//! | pivot up | pulse 0.25–0.90, height of the next footprint by 0.25–0.75 (up) or 0.45–0.90 (down) |
+//! | ball to heel `w` | 0.45–0.85 |
+//! | yaw of the path | 0.35–0.88 |
+//! | shock: rings 3 cycles in forward and up | 0.89–1 |
+//!
+//! All are C³, thus the specific force is C¹. Derivatives are exact ([`crate::jet`]): no numerical differentiation.
+//!
+//! # Frames and units
+//! Navigation ENU (x east, y north, z up), origin at the sensor in the first stance; foot axes x towards the toe, y left, z up;
+//! `θ > 0` is heel up. Body angular rate of the z-y-x angles (Groves 2013, eq. 2.58, in z-up form):
+//! `ω = (φ̇ − ψ̇ sin θ, θ̇ cos φ + ψ̇ sin φ cos θ, −θ̇ sin φ + ψ̇ cos φ cos θ)`. SI units, rad.
+
+use crate::blend::Window;
+use crate::error::SimulationError;
+use crate::gait::Foot;
+use crate::jet::{Jet, JetVector};
+use crate::walk_plan::{Footprint, Footprints, Stride, WalkPlan};
+use adit_core::attitude::{self, Attitude};
+use adit_core::nalgebra::Vector3;
+use rand_chacha::ChaCha8Rng;
+
+const EARLY_HEEL_OFF: Window = Window::new(0.0, 0.30);
+const HEEL_OFF: Window = Window::new(0.12, 0.42);
+const TOE_UP: Window = Window::new(0.33, 0.88);
+const FOOT_SLAP: Window = Window::new(0.84, 0.96);
+const SETTLING: Window = Window::new(0.86, 1.0);
+const STANCE: Window = Window::new(0.0, 1.0);
+/// Share of the landing pitch that the slap takes; the rest settles more slowly.
+const SLAP_SHARE: f64 = 0.80;
+const FORWARD_EARLY: Window = Window::new(0.15, 0.74);
+const FORWARD_LATE: Window = Window::new(0.36, 0.92);
+const CLEARANCE: Window = Window::new(0.25, 0.90);
+const CLIMB: Window = Window::new(0.25, 0.75);
+const DESCENT: Window = Window::new(0.45, 0.90);
+const BALL_TO_HEEL: Window = Window::new(0.34, 0.88);
+const PATH_YAW: Window = Window::new(0.35, 0.88);
+const SIDEWAYS: Window = Window::new(0.30, 0.88);
+const INWARD: Window = Window::new(0.12, 0.58);
+const OUTWARD: Window = Window::new(0.48, 0.97);
+const SHOCK: Window = Window::new(0.86, 0.97);
+const SHOCK_CYCLES: f64 = 3.0;
+
+/// Pose of the sensor and its exact derivatives at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FootState {
+    /// Position, ENU, m.
+    pub position_m: Vector3<f64>,
+    /// Velocity, ENU, m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Acceleration, ENU, m/s².
+    pub acceleration_m_s2: Vector3<f64>,
+    /// Sensor to ENU.
+    pub attitude: Attitude,
+    /// Angular rate of the sensor against ENU, sensor axes, rad/s.
+    pub angular_rate_rad_s: Vector3<f64>,
+    /// The foot is flat on the floor (and motionless, unless the gait rocks in stance).
+    pub stance: bool,
+}
+
+/// A walk as a function of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FootWalk {
+    foot: Foot,
+    footprints: Footprints,
+}
+
+impl FootWalk {
+    /// Lays the footprints of `plan`; the variation from stride to stride is drawn from `rng`.
+    pub fn new(plan: &WalkPlan, foot: Foot, rng: &mut ChaCha8Rng) -> Result<Self, SimulationError> {
+        Ok(Self { foot, footprints: plan.footprints(rng)? })
+    }
+
+    /// How long the walk lasts, s; before 0 and after it the foot rests.
+    pub fn duration_s(&self) -> f64 {
+        self.footprints.end_s
+    }
+
+    /// The strides in order of time.
+    pub fn strides(&self) -> &[Stride] {
+        &self.footprints.strides
+    }
+
+    /// Length of the path over the footprints, m.
+    pub fn length_m(&self) -> f64 {
+        self.strides().iter().map(|s| (s.to.position_m - s.from.position_m).norm()).sum()
+    }
+
+    /// The state at `time_s` after the start of the walk.
+    pub fn at(&self, time_s: f64) -> FootState {
+        let strides = &self.footprints.strides;
+        let index = strides.partition_point(|stride| stride.start_s <= time_s);
+        match index.checked_sub(1).and_then(|i| strides.get(i)) {
+            Some(stride) if time_s < stride.end_s() => self.in_stride(stride, time_s - stride.start_s),
+            Some(stride) => self.resting(&stride.to),
+            None => self.resting(&self.footprints.first),
+        }
+    }
+
+    fn resting(&self, on: &Footprint) -> FootState {
+        FootState {
+            position_m: on.position_m,
+            velocity_m_s: Vector3::zeros(),
+            acceleration_m_s2: Vector3::zeros(),
+            attitude: flat(on) * self.foot.mounting,
+            angular_rate_rad_s: Vector3::zeros(),
+            stance: true,
+        }
+    }
+
+    fn in_stride(&self, stride: &Stride, since_flat_s: f64) -> FootState {
+        let moving_s = since_flat_s - stride.still_s;
+        if moving_s > 0.0 {
+            let phase = Jet::linear(moving_s / stride.moving_s, 1.0 / stride.moving_s);
+            return self.moving(stride, phase);
+        }
+        if stride.gait.stance_rock_rad == 0.0 {
+            return self.resting(&stride.from);
+        }
+        let phase = Jet::linear(since_flat_s / stride.still_s, 1.0 / stride.still_s);
+        self.rocking(stride, phase)
+    }
+
+    /// Stance of a gait in which the foot never quite rests: it rocks about the ball.
+    fn rocking(&self, stride: &Stride, phase: Jet) -> FootState {
+        let rock_rad = stride.gait.stance_rock_rad;
+        let angles = Angles {
+            yaw: Jet::constant(stride.from.yaw_rad),
+            pitch: Jet::constant(stride.from.pitch_rad) + STANCE.pulse(phase) * rock_rad,
+            // Out of step with the pitch, so that the rate does not vanish in mid-stance.
+            roll: STANCE.ring(phase, 1.0) * rock_rad,
+        };
+        let pivot = JetVector::constant(&contact(&stride.from, &self.foot.ball_m));
+        let mut state = self.carried(&angles, pivot, JetVector::constant(&-self.foot.ball_m));
+        state.stance = true;
+        state
+    }
+
+    fn moving(&self, stride: &Stride, phase: Jet) -> FootState {
+        let Stride { gait, from, to, .. } = stride;
+        let turn = to.yaw_rad - from.yaw_rad;
+        let landing = gait.heel_strike_rad;
+        let toe_off = gait.early_heel_off_rad + gait.heel_off_rad;
+        let pitch = Jet::constant(from.pitch_rad)
+            + EARLY_HEEL_OFF.step(phase) * gait.early_heel_off_rad
+            + HEEL_OFF.step(phase) * gait.heel_off_rad
+            + TOE_UP.step(phase) * (to.pitch_rad - from.pitch_rad - toe_off - landing)
+            + FOOT_SLAP.step(phase) * (SLAP_SHARE * landing)
+            + SETTLING.step(phase) * ((1.0 - SLAP_SHARE) * landing);
+        let wobble = INWARD.pulse(phase) - OUTWARD.pulse(phase) * 0.7;
+        let angles = Angles {
+            yaw: Jet::constant(from.yaw_rad) + PATH_YAW.step(phase) * turn + wobble * gait.swing_yaw_rad,
+            pitch,
+            roll: wobble * -gait.swing_roll_rad,
+        };
+
+        let lift_off = contact(from, &self.foot.ball_m);
+        let landing_point = contact(to, &self.foot.heel_m);
+        let travel = landing_point - lift_off;
+        let level = Vector3::new(travel.x, travel.y, 0.0);
+        let (sin, cos) = libm::sincos(0.5 * (from.yaw_rad + to.yaw_rad));
+        let (forward, outward, up) =
+            (Vector3::new(cos, sin, 0.0), Vector3::new(sin, -cos, 0.0), Vector3::z());
+        let rise = if travel.z > 0.0 { CLIMB } else { DESCENT };
+        let shock = SHOCK.ring(phase, SHOCK_CYCLES) * gait.shock_m;
+        let pivot = JetVector::constant(&lift_off)
+            + JetVector::along(&level, (FORWARD_EARLY.step(phase) + FORWARD_LATE.step(phase)) * 0.5)
+            + JetVector::along(
+                &up,
+                rise.step(phase) * travel.z + CLEARANCE.pulse(phase) * gait.clearance_m + shock,
+            )
+            + JetVector::along(&outward, SIDEWAYS.pulse(phase) * gait.circumduction_m)
+            + JetVector::along(&forward, -shock);
+
+        let arm = JetVector::constant(&-self.foot.ball_m)
+            + JetVector::along(&(self.foot.ball_m - self.foot.heel_m), BALL_TO_HEEL.step(phase));
+        self.carried(&angles, pivot, arm)
+    }
+
+    /// Sensor at `arm` (foot axes) from a pivot, turned by the angles.
+    fn carried(&self, angles: &Angles, pivot: JetVector, arm: JetVector) -> FootState {
+        let position =
+            pivot + arm.turned_about_x(angles.roll).turned_about_y(angles.pitch).turned_about_z(angles.yaw);
+        FootState {
+            position_m: position.value(),
+            velocity_m_s: position.first(),
+            acceleration_m_s2: position.second(),
+            attitude: angles.attitude() * self.foot.mounting,
+            angular_rate_rad_s: self.foot.mounting.inverse_transform_vector(&angles.foot_rate_rad_s()),
+            stance: false,
+        }
+    }
+}
+
+/// Attitude of the foot as rotations about z, then y, then x.
+struct Angles {
+    yaw: Jet,
+    pitch: Jet,
+    roll: Jet,
+}
+
+impl Angles {
+    fn attitude(&self) -> Attitude {
+        attitude::exp(&(Vector3::z() * self.yaw.value))
+            * attitude::exp(&(Vector3::y() * self.pitch.value))
+            * attitude::exp(&(Vector3::x() * self.roll.value))
+    }
+
+    fn foot_rate_rad_s(&self) -> Vector3<f64> {
+        let (sin_roll, cos_roll) = libm::sincos(self.roll.value);
+        let (sin_pitch, cos_pitch) = libm::sincos(self.pitch.value);
+        let (yaw, pitch, roll) = (self.yaw.first, self.pitch.first, self.roll.first);
+        Vector3::new(
+            roll - yaw * sin_pitch,
+            pitch * cos_roll + yaw * sin_roll * cos_pitch,
+            yaw * cos_roll * cos_pitch - pitch * sin_roll,
+        )
+    }
+}
+
+/// Attitude of the foot on a footprint.
+fn flat(on: &Footprint) -> Attitude {
+    attitude::exp(&(Vector3::z() * on.yaw_rad)) * attitude::exp(&(Vector3::y() * on.pitch_rad))
+}
+
+/// Where a point of the flat foot touches the floor.
+fn contact(on: &Footprint, point_m: &Vector3<f64>) -> Vector3<f64> {
+    on.position_m + flat(on) * point_m
+}
