@@ -84,10 +84,10 @@ proptest! {
     fn the_way_back_leads_back(q in turn(), origin in raw(), p in raw()) {
         let there = Transform::<MineGrid, Enu>::new(Rotation::from_raw(q), Position::from_raw(origin));
         let p = Position::<MineGrid>::from_raw(p);
-        // 3e4 m carry 4e-12 m per rounding.
-        prop_assert!((there.inverse().position(&there.position(&p)) - p).norm() < 4e-11);
+        // Coordinates up to 5e4 m, and a few 1e-16 of them lost in each of up to four rotations.
+        prop_assert!((there.inverse().position(&there.position(&p)) - p).norm() < 1e-10);
         let round = there.then(&there.inverse());
-        prop_assert!((round.position(&p) - p).norm() < 4e-11);
+        prop_assert!((round.position(&p) - p).norm() < 1e-10);
     }
 
     #[test]
@@ -96,15 +96,15 @@ proptest! {
         let second = Transform::<Enu, Ecef>::new(Rotation::from_raw(q2), Position::from_raw(o2));
         let chain: Transform<Body, Ecef> = first.then(&second);
         let p = Position::<Body>::from_raw(p);
-        prop_assert!((chain.position(&p) - second.position(&first.position(&p))).norm() < 4e-11);
+        prop_assert!((chain.position(&p) - second.position(&first.position(&p))).norm() < 1e-10);
         let v = Vector::<Body>::from_raw(*p.raw());
-        prop_assert!((chain.vector(&v) - second.vector(&first.vector(&v))).norm() < 4e-11);
+        prop_assert!((chain.vector(&v) - second.vector(&first.vector(&v))).norm() < 1e-10);
     }
 
     #[test]
     fn a_transform_keeps_lengths(q in turn(), origin in raw(), a in raw(), b in raw()) {
         let t = Transform::<MineGrid, Enu>::new(Rotation::from_raw(q), Position::from_raw(origin));
         let (a, b) = (Position::from_raw(a), Position::from_raw(b));
-        prop_assert!(((t.position(&a) - t.position(&b)).norm() - (a - b).norm()).abs() < 4e-11);
+        prop_assert!(((t.position(&a) - t.position(&b)).norm() - (a - b).norm()).abs() < 1e-10);
     }
 }

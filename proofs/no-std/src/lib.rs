@@ -1,0 +1,103 @@
+//! What the proof does with adit, without a standard library. Each check is a sentence; its number is the exit code of
+//! the program when it is not true.
+#![no_std]
+
+extern crate alloc;
+
+use adit_core::attitude::{heading, level};
+use adit_core::frames::{Enu, GridPlacement, Position};
+use adit_core::geodesy::{Geodetic, normal_gravity_m_s2};
+use adit_core::nalgebra::Vector3;
+use adit_core::solution::{Quality, Solution, SolutionCovariance};
+use adit_core::time::{Interval, Time};
+use adit_core::trajectory::{Pose, Trajectory};
+use alloc::string::ToString;
+use alloc::vec::Vec;
+
+/// 0 when all hold, else the number of the first that does not.
+pub fn first_failed() -> u8 {
+    let checks: &[fn() -> Option<bool>] = &[
+        a_sensor_on_its_side_is_levelled,
+        a_portal_survives_the_way_to_the_earths_centre_and_back,
+        gravity_is_that_of_the_equator,
+        a_grid_point_finds_its_latitude,
+        a_walk_is_interpolated,
+        a_walk_out_of_order_is_refused_in_words,
+        a_solution_has_a_radius,
+        #[cfg(feature = "observation")]
+        a_sample_at_rest_is_an_observation,
+    ];
+    let failed = checks.iter().position(|check| core::hint::black_box(check)() != Some(true));
+    failed.map_or(0, |index| u8::try_from(index + 1).unwrap_or(98))
+}
+
+fn a_sensor_on_its_side_is_levelled() -> Option<bool> {
+    let force = Vector3::new(0.3, -9.7, 0.2);
+    let attitude = level(&force, 0.5)?;
+    let up = attitude * force;
+    Some(
+        (up - Vector3::new(0.0, 0.0, force.norm())).norm() < 1e-12
+            && (heading(&attitude) - 0.5).abs() < 1e-12,
+    )
+}
+
+fn a_portal_survives_the_way_to_the_earths_centre_and_back() -> Option<bool> {
+    let portal = Geodetic::from_degrees(50.92, 13.34, -310.0)?;
+    let back = Geodetic::from_ecef(&portal.to_ecef())?;
+    Some((back.latitude_rad - portal.latitude_rad).abs() < 1e-15 && (back.height_m + 310.0).abs() < 5e-9)
+}
+
+fn gravity_is_that_of_the_equator() -> Option<bool> {
+    Some((normal_gravity_m_s2(0.0) - 9.780_325_335_9).abs() < 1e-10)
+}
+
+fn a_grid_point_finds_its_latitude() -> Option<bool> {
+    let grid = GridPlacement { origin: Position::new(5_000.0, 3_000.0, 0.0), convergence_rad: 0.01 };
+    let to_ecef = grid.to_enu().then(&Geodetic::from_degrees(50.92, 13.34, 0.0)?.enu_frame().inverse());
+    let shaft = Geodetic::from_ecef(&to_ecef.position(&Position::new(5_000.0, 3_000.0, -640.0)))?;
+    Some((shaft.height_m + 640.0).abs() < 1e-8 && (shaft.latitude_rad - 50.92_f64.to_radians()).abs() < 1e-14)
+}
+
+fn poses(seconds: &[i64]) -> Vec<Pose> {
+    let pose = |s: &i64| Pose {
+        time: Time::from_nanos(s * 1_000_000_000),
+        position_m: Vector3::new(*s as f64, 0.0, 0.0),
+        attitude: adit_core::attitude::exp(&Vector3::new(0.0, 0.0, 0.1 * *s as f64)),
+    };
+    seconds.iter().map(pose).collect()
+}
+
+fn a_walk_is_interpolated() -> Option<bool> {
+    let walk = Trajectory::new(poses(&[0, 1, 2, 4])).ok()?;
+    let pose = walk.at(Time::ZERO + Interval::from_seconds(3.0)?)?;
+    Some((pose.position_m.x - 3.0).abs() < 1e-15)
+}
+
+fn a_walk_out_of_order_is_refused_in_words() -> Option<bool> {
+    let error = Trajectory::new(poses(&[0, 2, 1])).err()?;
+    Some(error.to_string() == "pose 2: time 1.000000000 s does not come after 2.000000000 s")
+}
+
+fn a_solution_has_a_radius() -> Option<bool> {
+    let origin = Position::<Enu>::ORIGIN;
+    let solution = Solution {
+        time: Time::ZERO,
+        position_m: *origin.raw(),
+        velocity_m_s: Vector3::zeros(),
+        attitude: adit_core::attitude::Attitude::identity(),
+        covariance: SolutionCovariance::identity(),
+        quality: Quality::Fixed,
+    };
+    Some((solution.radius_95_m() - 2.4477).abs() < 1e-4)
+}
+
+#[cfg(feature = "observation")]
+fn a_sample_at_rest_is_an_observation() -> Option<bool> {
+    use adit_observation::{ImuSample, Observation};
+    let sample = ImuSample {
+        time: Time::from_nanos(5_000_000),
+        angular_rate_rad_s: Vector3::zeros(),
+        specific_force_m_s2: Vector3::new(0.0, 0.0, normal_gravity_m_s2(0.9)),
+    };
+    Some(Observation::Imu(sample).time() == sample.time && level(&sample.specific_force_m_s2, 0.0).is_some())
+}
