@@ -61,7 +61,7 @@ pub fn skew(a: &Vector3<f64>) -> Matrix3<f64> {
 
 /// Product `q ∘ exp(θ)` renormalised to first order: the strapdown attitude update by a body rotation.
 ///
-/// One Newton step of the inverse square root keeps the norm at 1 within 1e-16 however long the log is.
+/// One Newton step of the inverse square root keeps the norm at 1 within 4e-16 however long the log is.
 #[inline]
 pub fn turn_body(q: &Attitude, body_rotation: &Vector3<f64>) -> Attitude {
     renormalise(q * exp(body_rotation))

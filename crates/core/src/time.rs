@@ -34,7 +34,8 @@ impl Time {
         self.0
     }
 
-    /// From seconds since the origin, to the nearest nanosecond; `None` when not finite or past ±292 years.
+    /// From seconds since the origin, to the nearest nanosecond (below 104 days; for Unix stamps an `f64` itself is
+    /// only good to some 0.2 µs); `None` when not finite or past ±292 years.
     pub fn from_seconds(seconds: f64) -> Option<Self> {
         nanos_from_seconds(seconds).map(Self)
     }

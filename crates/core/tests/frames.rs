@@ -1,5 +1,7 @@
 //! Frames: known axes, round trips, chains.
 
+#![expect(clippy::unwrap_used, reason = "a test may stop at the first wrong value")]
+
 use adit_core::attitude::{exp, heading};
 use adit_core::frames::{
     Body, Ecef, Enu, GridPlacement, MineGrid, Ned, Position, Rotation, Transform, Vector,
@@ -61,6 +63,17 @@ fn the_origin_of_a_transform_lands_on_zero() {
     let to_body = Transform::<Enu, Body>::new(Rotation::from_raw(exp(&Vector3::new(0.4, 0.5, 0.6))), origin);
     assert_eq!(to_body.position(&origin), Position::ORIGIN);
     assert_eq!(to_body.origin(), &origin);
+}
+
+#[test]
+fn typed_coordinates_travel_as_bare_numbers() {
+    let position = Position::<MineGrid>::new(1.0, 2.0, -640.5);
+    let text = serde_json::to_string(&position).unwrap();
+    assert_eq!(text, "[1.0,2.0,-640.5]");
+    assert_eq!(serde_json::from_str::<Position<MineGrid>>(&text).unwrap(), position);
+    let attitude = Rotation::<Body, Enu>::identity();
+    // nalgebra's order: the scalar last.
+    assert_eq!(serde_json::to_string(&attitude).unwrap(), "[0.0,0.0,0.0,1.0]");
 }
 
 proptest! {
