@@ -78,6 +78,9 @@ pub struct AppliedAlignment {
     pub yaw_deg: f64,
     /// Translation `t` of `x ↦ R x + t`, m.
     pub translation_m: [f64; 3],
+    /// What the point moved by that the alignment lays on its true place (start or centre of the run), m: unlike the
+    /// translation it does not grow with the distance from the origin of the grid.
+    pub moved_m: [f64; 3],
 }
 
 impl AppliedAlignment {
@@ -89,6 +92,7 @@ impl AppliedAlignment {
             rotation_deg: motion.rotation.angle().to_degrees(),
             yaw_deg: motion.rotation.euler_angles().2.to_degrees(),
             translation_m: motion.translation_m().into(),
+            moved_m: (motion.to_m - motion.from_m).into(),
         }
     }
 }
@@ -124,7 +128,7 @@ impl fmt::Display for Association {
 
 impl fmt::Display for AppliedAlignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.translation_m;
+        let [x, y, z] = self.moved_m;
         match (self.method, self.start_distance_m) {
             (Alignment::None, _) => return f.write_str("none"),
             (method, Some(distance)) => write!(f, "{method} (heading over {distance} m)")?,
