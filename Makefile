@@ -1,0 +1,17 @@
+# The few commands of the repository. A fresh machine needs Rust (rustup), a C compiler, and the Rust package registry.
+.PHONY: help demo test bench results
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s  %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: ## build adit and track an example walk that it simulates itself
+	cargo run --locked --release -p adit-cli --bin adit -- demo
+
+test: ## every check: format, lints, tests, doc tests, docs, no_std proof, repository rules
+	@bash ci/test.sh
+
+bench: ## speed: criterion benchmarks
+	cargo bench --locked --workspace --bench '*'
+
+results: ## regenerate the measured figures in the docs from the recorded sets (ADIT_DATA, default ../shared/data)
+	@bash ci/results.sh
