@@ -43,11 +43,19 @@ pub mod files;
 #[cfg(feature = "std")]
 mod log;
 #[cfg(feature = "std")]
+pub mod mcap_log;
+#[cfg(feature = "std")]
 pub mod order;
 #[cfg(feature = "std")]
 pub mod plausibility;
 #[cfg(feature = "std")]
+pub mod sidecar;
+#[cfg(feature = "std")]
+pub mod solution_csv;
+#[cfg(feature = "std")]
 mod source;
+#[cfg(feature = "std")]
+pub mod truth;
 #[cfg(feature = "std")]
 pub mod tum;
 #[cfg(feature = "std")]

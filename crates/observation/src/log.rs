@@ -4,12 +4,14 @@ use crate::csv_log::CsvLog;
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
 use crate::imu::Observation;
+use crate::mcap_log::{self, McapLog};
 use crate::order::{DEFAULT_GAP_LIMIT, Ordered};
 use crate::plausibility::UnitChecked;
+use crate::sidecar::Sidecar;
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use adit_core::time::Interval;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -29,11 +31,13 @@ pub struct ReadOptions {
     pub gap_limit: Interval,
     /// Whether numbers are checked against their units (see [`crate::plausibility`]).
     pub check_units: bool,
+    /// Topics of an MCAP file to read; empty for all that adit knows.
+    pub topics: Vec<String>,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { gap_limit: DEFAULT_GAP_LIMIT, check_units: true }
+        Self { gap_limit: DEFAULT_GAP_LIMIT, check_units: true, topics: Vec::new() }
     }
 }
 
@@ -47,6 +51,7 @@ pub struct LogReader {
     kind: LogKind,
     warnings: Warnings,
     progress: (Arc<AtomicU64>, Option<u64>),
+    sidecar: Option<(PathBuf, Sidecar)>,
     ended: bool,
 }
 
@@ -64,7 +69,10 @@ pub fn open(path: impl AsRef<Path>) -> Result<LogReader, LogError> {
 
 /// [`open`] with other limits.
 pub fn open_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LogReader, LogError> {
-    LogReader::from_input(Input::open(path)?, options)
+    let path = path.as_ref();
+    let mut log = LogReader::from_input(Input::open(path)?, options)?;
+    log.sidecar = Sidecar::beside(path)?;
+    Ok(log)
 }
 
 impl LogReader {
@@ -72,8 +80,11 @@ impl LogReader {
     pub fn from_input(input: Input, options: &ReadOptions) -> Result<Self, LogError> {
         let mut warnings = Warnings::default();
         let progress = input.progress();
-        let kind = LogKind::Csv;
-        let source: Source = Box::new(CsvLog::new(input, &mut warnings)?);
+        let (kind, source): (_, Source) = if input.start.starts_with(mcap_log::MAGIC) {
+            (LogKind::Mcap, Box::new(McapLog::new(input, &options.topics)))
+        } else {
+            (LogKind::Csv, Box::new(CsvLog::new(input, &mut warnings)?))
+        };
         let ordered = Ordered::new(source, options.gap_limit);
         let source = if options.check_units {
             let mut checked = UnitChecked::new(ordered);
@@ -85,12 +96,29 @@ impl LogReader {
         } else {
             Checked::OrderOnly(ordered)
         };
-        Ok(Self { source, kind, warnings, progress, ended: false })
+        Ok(Self { source, kind, warnings, progress, sidecar: None, ended: false })
     }
 
     /// What was odd so far; complete once the iterator has ended.
     pub fn warnings(&self) -> &[LogWarning] {
         self.warnings.list()
+    }
+
+    /// The sidecar found beside the log; already applied to the observations.
+    pub fn sidecar(&self) -> Option<&Sidecar> {
+        self.sidecar.as_ref().map(|(_, sidecar)| sidecar)
+    }
+
+    /// Where the sidecar was found.
+    pub fn sidecar_file(&self) -> Option<&Path> {
+        self.sidecar.as_ref().map(|(path, _)| path.as_path())
+    }
+
+    /// Applies a sidecar from elsewhere, in place of the one found.
+    #[must_use]
+    pub fn with_sidecar(mut self, path: impl Into<PathBuf>, sidecar: Sidecar) -> Self {
+        self.sidecar = Some((path.into(), sidecar));
+        self
     }
 
     /// The kind of file.
@@ -132,7 +160,10 @@ impl Iterator for LogReader {
             return None;
         }
         match self.next_observation() {
-            Ok(Some((observation, _))) => Some(Ok(observation)),
+            Ok(Some((observation, _))) => Some(Ok(match self.sidecar() {
+                Some(sidecar) if !sidecar.leaves_samples_alone() => sidecar.apply(observation),
+                _ => observation,
+            })),
             Ok(None) => {
                 self.ended = true;
                 None

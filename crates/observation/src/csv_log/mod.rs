@@ -26,6 +26,7 @@ pub mod units;
 mod writer;
 
 pub use header::Header;
+pub(crate) use header::{missing, name};
 pub use rows::{Row, RowReader};
 pub use writer::{CsvLogWriter, Sensors};
 

@@ -16,4 +16,5 @@ mod reader;
 mod writer;
 
 pub use reader::{TumReader, read};
+pub(crate) use reader::{attitude_from, collect, trajectory};
 pub use writer::{TumWriter, write};

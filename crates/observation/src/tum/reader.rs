@@ -19,15 +19,25 @@ const UNIT_TO_THE_LAST_BITS: f64 = 8.0 * f64::EPSILON;
 pub fn read(path: impl AsRef<Path>) -> Result<Trajectory, LogError> {
     let reader = TumReader::new(Input::open(path)?);
     let file = Arc::clone(&reader.file);
+    collect(reader, &file)
+}
+
+/// All poses of a reader; at least one.
+pub(crate) fn collect(reader: TumReader, file: &Arc<Path>) -> Result<Trajectory, LogError> {
     let poses = reader.collect::<Result<Vec<_>, _>>()?;
+    let place = Place::new(file, At::File);
     if poses.is_empty() {
-        return Err(LogError::NothingRecorded { place: Place::new(&file, At::File), expected: "pose" });
+        return Err(LogError::NothingRecorded { place, expected: "pose" });
     }
-    // Order and finiteness were checked line by line.
-    Trajectory::new(poses).map_err(|e| LogError::BadValue {
-        place: Place::new(&file, At::File),
+    trajectory(poses, place)
+}
+
+/// Poses whose order and finiteness were checked line by line.
+pub(crate) fn trajectory(poses: Vec<Pose>, place: Place) -> Result<Trajectory, LogError> {
+    Trajectory::new(poses).map_err(|error| LogError::BadValue {
+        place,
         what: "trajectory".to_owned(),
-        found: e.to_string(),
+        found: error.to_string(),
         expected: "finite poses in order of time".to_owned(),
     })
 }
@@ -112,26 +122,25 @@ impl TumReader {
         {
             return Err(LogError::TimeBackwards { place: self.place(), found: time, before });
         }
-        let attitude =
-            attitude_from(Quaternion::new(qw, qx, qy, qz)).map_err(|found| LogError::BadValue {
-                place: self.place(),
-                what: "quaternion".to_owned(),
-                found: format!("length {found}"),
-                expected: "length 1".to_owned(),
-            })?;
+        let attitude = attitude_from(Quaternion::new(qw, qx, qy, qz), || self.place())?;
         Ok(Pose { time, position_m: Vector3::new(x, y, z), attitude })
     }
 }
 
-/// A quaternion of a file as an attitude; the error is its length.
-pub(crate) fn attitude_from(q: Quaternion<f64>) -> Result<Attitude, f64> {
+/// A quaternion of a file as an attitude.
+pub(crate) fn attitude_from(q: Quaternion<f64>, place: impl FnOnce() -> Place) -> Result<Attitude, LogError> {
     let squared = q.norm_squared();
     if (squared - 1.0).abs() <= UNIT_TO_THE_LAST_BITS {
         return Ok(UnitQuaternion::new_unchecked(q));
     }
     let length = squared.sqrt();
-    if (length - 1.0).abs() > LENGTH_TOLERANCE || length.is_nan() {
-        return Err(length);
+    if length.is_nan() || (length - 1.0).abs() > LENGTH_TOLERANCE {
+        return Err(LogError::BadValue {
+            place: place(),
+            what: "quaternion".to_owned(),
+            found: format!("length {length}"),
+            expected: "length 1".to_owned(),
+        });
     }
     Ok(UnitQuaternion::new_unchecked(q / length))
 }

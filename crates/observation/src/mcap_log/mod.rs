@@ -1,0 +1,32 @@
+//! Sensor logs as MCAP, one channel per sensor, protobuf messages with their schemas inside.
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/imu` | `adit.v1.ImuSample` | gyro (rad/s) and accelerometer (m/s²) |
+//! | `/magnetic` | `adit.v1.MagneticSample` | magnetometer (µT) |
+//!
+//! The schemas stand in `proto/adit/v1/`; a file carries them as a `FileDescriptorSet`, so that Foxglove and any other
+//! MCAP tool decodes it. Channels are known by schema name, whatever their topic; others are ignored with a
+//! warning. Two topics with the same schema are an error unless one is chosen
+//! ([`crate::ReadOptions::topics`]).
+//!
+//! Time is the `timestamp` inside the message, exact and signed; MCAP's own log time is unsigned and gets 0 for times
+//! before the origin.
+//!
+//! Reading streams: memory is bounded by one chunk ([`LARGEST_RECORD`] packed and unpacked), whatever a damaged file
+//! claims. A cut file gives all complete chunks and then an error with record and offset. Writing streams in
+//! chunks of 1 MiB, by lz4 or plain.
+//!
+//! Format: <https://mcap.dev/spec>; the state machine is the `mcap` crate's, without I/O.
+
+mod reader;
+mod records;
+mod schema;
+mod writer;
+
+pub use reader::McapLog;
+pub use records::LARGEST_RECORD;
+pub use writer::{McapLogWriter, Packing};
+
+/// The first bytes of every MCAP file.
+pub(crate) const MAGIC: &[u8] = mcap::MAGIC;

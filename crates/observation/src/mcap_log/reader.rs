@@ -1,0 +1,167 @@
+use super::records::Records;
+use super::schema::{BadMessage, Kind, PROTOBUF, decode_imu, decode_magnetic};
+use crate::error::{At, LogError, shown};
+use crate::files::Input;
+use crate::imu::Observation;
+use crate::source::LogSource;
+use crate::warning::{LogWarning, Warnings};
+use mcap::records::{Record, op};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Ignored topics listed by name; more are left out.
+const TOPICS_LISTED: usize = 20;
+
+/// Observations of an MCAP log; order and units are not checked here (see [`crate::open`]).
+pub struct McapLog {
+    records: Records,
+    topics: Vec<String>,
+    schemas: HashMap<u16, Option<Kind>>,
+    channels: HashMap<u16, Option<Kind>>,
+    /// The topic from which each kind is taken.
+    chosen: [Option<String>; 2],
+    ignored: Vec<String>,
+}
+
+impl McapLog {
+    /// Reads from bytes that start with the MCAP magic; `topics` restricts what is read, empty means all.
+    pub fn new(input: Input, topics: &[String]) -> Self {
+        Self {
+            records: Records::new(input),
+            topics: topics.to_vec(),
+            schemas: HashMap::new(),
+            channels: HashMap::new(),
+            chosen: [const { None }; 2],
+            ignored: Vec::new(),
+        }
+    }
+
+    fn declare(&mut self, record: Declaration) -> Result<(), LogError> {
+        match record {
+            Declaration::Schema { id, name, encoding } => {
+                let kind = Kind::ALL.into_iter().find(|k| k.schema_name() == name && encoding == PROTOBUF);
+                self.schemas.insert(id, kind);
+            }
+            Declaration::Channel { id, schema_id, topic, encoding } => {
+                let schema = self.schemas.get(&schema_id).copied().flatten();
+                let wanted = self.topics.is_empty() || self.topics.contains(&topic);
+                let kind = schema.filter(|_| wanted && encoding == PROTOBUF);
+                self.channels.insert(id, kind);
+                match kind {
+                    Some(kind) => self.choose(kind, topic)?,
+                    None if wanted && self.ignored.len() < TOPICS_LISTED => {
+                        let topic = shown(topic.as_bytes());
+                        if !self.ignored.contains(&topic) {
+                            self.ignored.push(topic);
+                        }
+                    }
+                    None => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn choose(&mut self, kind: Kind, topic: String) -> Result<(), LogError> {
+        match &self.chosen[kind as usize] {
+            Some(first) if *first != topic => Err(LogError::AmbiguousTopic {
+                place: self.records.place(),
+                kind: kind.schema_name(),
+                topics: vec![shown(first.as_bytes()), shown(topic.as_bytes())],
+            }),
+            Some(_) => Ok(()),
+            None => {
+                self.chosen[kind as usize] = Some(topic);
+                Ok(())
+            }
+        }
+    }
+
+    fn bad(&self, kind: Kind, bad: BadMessage) -> LogError {
+        let (what, found, expected) = match bad {
+            BadMessage::Undecodable(why) => ("message".to_owned(), why, kind.schema_name().to_owned()),
+            BadMessage::Missing(field) => (field.to_owned(), "nothing".to_owned(), "a value".to_owned()),
+            BadMessage::NotFinite(field, value) => {
+                (field.to_owned(), value.to_string(), "a finite number".to_owned())
+            }
+            BadMessage::Time(found) => {
+                ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
+            }
+        };
+        LogError::BadValue { place: self.records.place(), what, found, expected }
+    }
+}
+
+/// What a schema or channel record says, of what matters here.
+enum Declaration {
+    Schema { id: u16, name: String, encoding: String },
+    Channel { id: u16, schema_id: u16, topic: String, encoding: String },
+}
+
+enum Step {
+    Declared(Declaration),
+    Message(u16, Result<Observation, BadMessage>),
+    Nothing,
+    Corrupt(String),
+}
+
+impl LogSource for McapLog {
+    fn next_observation(&mut self, warnings: &mut Warnings) -> Result<Option<(Observation, At)>, LogError> {
+        loop {
+            let Some((opcode, body)) = self.records.next()? else {
+                if !self.ignored.is_empty() {
+                    let place = crate::error::Place::new(self.records.file(), At::File);
+                    let topics = std::mem::take(&mut self.ignored);
+                    warnings.push(LogWarning::IgnoredTopics { place, topics });
+                }
+                return Ok(None);
+            };
+            match step(opcode, body, &self.channels) {
+                Step::Nothing => {}
+                Step::Declared(declaration) => self.declare(declaration)?,
+                Step::Message(_, Ok(observation)) => return Ok(Some((observation, self.records.at()))),
+                Step::Message(channel, Err(bad)) => {
+                    let kind = self.channels.get(&channel).copied().flatten().unwrap_or(Kind::Imu);
+                    return Err(self.bad(kind, bad));
+                }
+                Step::Corrupt(what) => return Err(self.records.corrupt(what)),
+            }
+        }
+    }
+
+    fn file(&self) -> &Arc<Path> {
+        self.records.file()
+    }
+}
+
+fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<Kind>>) -> Step {
+    if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+        return Step::Nothing;
+    }
+    match mcap::parse_record(opcode, body) {
+        Ok(Record::Schema { header, .. }) => Step::Declared(Declaration::Schema {
+            id: header.id,
+            name: header.name,
+            encoding: header.encoding,
+        }),
+        Ok(Record::Channel(channel)) => Step::Declared(Declaration::Channel {
+            id: channel.id,
+            schema_id: channel.schema_id,
+            topic: channel.topic,
+            encoding: channel.message_encoding,
+        }),
+        Ok(Record::Message { header, data }) => match channels.get(&header.channel_id) {
+            Some(Some(Kind::Imu)) => {
+                Step::Message(header.channel_id, decode_imu(&data).map(Observation::Imu))
+            }
+            Some(Some(Kind::Magnetic)) => {
+                Step::Message(header.channel_id, decode_magnetic(&data).map(Observation::Magnetic))
+            }
+            Some(None) => Step::Nothing,
+            None => Step::Corrupt(format!("message on channel {}, which is not declared", header.channel_id)),
+        },
+        Ok(_) => Step::Nothing,
+        Err(error) => Step::Corrupt(error.to_string()),
+    }
+}
