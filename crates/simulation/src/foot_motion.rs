@@ -4,27 +4,54 @@
 //! Each stride is still on one footprint and then moves to the next. While it moves, with `u ∈ [0, 1]` the share of the
 //! moving time, the sensor is carried by a rigid foot with attitude `R = Rz(ψ) Ry(θ) Rx(φ)` and a pivot:
 //!
-//! `p(u) = c(u) + R(u) (−r(u))`, `r(u) = r_ball + w(u) (r_heel − r_ball)`
+//! `p(u) = c(u) − R(u) r(u)`, `r(u) = r_ball + w(u) (r_heel − r_ball)`
 //!
-//! where `r` points from the sensor to the pivot, foot axes. The pivot starts as the ball of the foot, which stands on the floor
-//! while the heel rises (the sensor then moves at `ω × r`), and becomes the heel, on which the foot lands and
-//! rolls to flat. `c`, `w` and the angles are sums of the smooth windows of [`crate::blend`]:
+//! where `r` points from the sensor to the pivot, foot axes. The pivot starts as the ball of the foot, which stands on
+//! the floor while the heel begins to rise (the sensor then moves at `ω × r`), and becomes the heel, on which the foot
+//! lands and rolls to flat. `c`, `w` and the angles are sums of smooth windows: septic steps and quartic
+//! pulses, C³ (private module `blend`), over these shares of the moving time:
 //!
-//! | function | windows (shares of the moving time) |
+//! | function | windows |
 //! |---|---|
-//! | pitch `θ`: early heel-off, heel-off, swing to toe-up, foot slap, settling | 0–0.30, 0.12–0.42, 0.33–0.88, 0.85–0.96, 0.88–1 |
-//! | pivot forward `c`, as the mean of two steps | 0.22–0.80, 0.34–0.90 |
-//! | pivot up | pulse 0.25–0.90, height of the next footprint by 0.25–0.75 (up) or 0.45–0.90 (down) |
-//! | ball to heel `w` | 0.45–0.85 |
+//! | pitch `θ`: early heel-off, heel-off, swing to toe-up, foot slap, settling | 0–0.30, 0.12–0.42, 0.33–0.88, 0.84–0.96, 0.86–1 |
+//! | pivot forward: mean of two steps | 0.15–0.74, 0.36–0.92 |
+//! | pivot up: pulse; height of the next footprint, going up or down | 0.25–0.90; 0.25–0.75 or 0.45–0.90 |
+//! | pivot outward: pulse | 0.30–0.88 |
+//! | ball to heel `w` | 0.34–0.88 |
 //! | yaw of the path | 0.35–0.88 |
-//! | shock: rings 3 cycles in forward and up | 0.89–1 |
+//! | roll and yaw of the swing: two opposite pulses | 0.12–0.58, 0.48–0.97 |
+//! | shock of the heel strike: rings 3 cycles, backward and up | 0.86–0.97 |
 //!
-//! All are C³, thus the specific force is C¹. Derivatives are exact ([`crate::jet`]): no numerical differentiation.
+//! Position is C³, thus the specific force is C¹. Derivatives are exact, by second-order jets (private module `jet`): no
+//! numerical differentiation anywhere.
 //!
 //! # Frames and units
-//! Navigation ENU (x east, y north, z up), origin at the sensor in the first stance; foot axes x towards the toe, y left, z up;
-//! `θ > 0` is heel up. Body angular rate of the z-y-x angles (Groves 2013, eq. 2.58, in z-up form):
+//! Navigation ENU (x east, y north, z up), origin at the sensor in the first stance; foot axes x towards the toe, y left,
+//! z up; `θ > 0` is heel up. Body angular rate of the z-y-x angles (Groves 2013, eq. 2.58, in z-up form):
 //! `ω = (φ̇ − ψ̇ sin θ, θ̇ cos φ + ψ̇ sin φ cos θ, −θ̇ sin φ + ψ̇ cos φ cos θ)`. SI units, rad.
+//!
+//! # Against recorded feet
+//! Ranges of the medians per trial: walks at 1.05 to 1.34 m/s of foot-vicon (5 trials) and foot-hallway (3, no camera),
+//! runs at 1.9 to 2.3 m/s of foot-vicon (6), with the presets of [`crate::Gait`] at 200 Hz and `3DM-GX5-25` errors beside them.
+//! Stance is `|ω|` below 0.6 rad/s walking, 2 rad/s running. The recorded gyros clip at 522 °/s.
+//!
+//! | figure | walks | `walk` | runs | `run` |
+//! |---|---|---|---|---|
+//! | stride, m | 1.24–1.42 | 1.37 | 1.44–1.64 | 1.60 |
+//! | stride time, s | 1.03–1.23 | 1.09 | 0.72–0.78 | 0.74 |
+//! | stance share | 0.21–0.31 | 0.26 | 0.13–0.33 | 0.27 |
+//! | peak rate on one axis, °/s | 420–524 | 431 | 520–529 (clipped) | 522 (clipped) |
+//! | peak horizontal speed, m/s | 3.3–3.9 | 3.6 | 4.5–5.5 | 5.8 |
+//! | rise of the sensor, m | 0.07–0.09 | 0.07 | 0.08–0.14 | 0.11 |
+//! | peak specific force, m/s² | 29–41 | 40 | 62–80 | 74 |
+//! | least specific force, m/s² | 5.7–8.0 | 2.1 | 10–12 | 5 |
+//! | RMS rate in stance, °/s | 15–21 | 9 (16 for `restless_walk`) | – | 44 |
+//!
+//! # Limits
+//! A recorded foot is never quite still: at mid-stance it still turns at 3 to 10 °/s walking and 10 to 33 °/s running. The presets
+//! `walk`, `slow` and `stairs` are truly still there; `restless_walk` and `run` rock about the ball, but come to a
+//! short full rest where stance begins and ends. The flexible sole, the vibration of the mount and the other foot are not
+//! modelled; the foot does not slip.
 
 use crate::blend::Window;
 use crate::error::SimulationError;
@@ -34,6 +61,7 @@ use crate::walk_plan::{Footprint, Footprints, Stride, WalkPlan};
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 
 const EARLY_HEEL_OFF: Window = Window::new(0.0, 0.30);
 const HEEL_OFF: Window = Window::new(0.12, 0.42);
@@ -81,9 +109,11 @@ pub struct FootWalk {
 }
 
 impl FootWalk {
-    /// Lays the footprints of `plan`; the variation from stride to stride is drawn from `rng`.
-    pub fn new(plan: &WalkPlan, foot: Foot, rng: &mut ChaCha8Rng) -> Result<Self, SimulationError> {
-        Ok(Self { foot, footprints: plan.footprints(rng)? })
+    /// Lays the footprints of `plan`; `seed` fixes the variation from stride to stride (`ChaCha8`, stream 1).
+    pub fn new(plan: &WalkPlan, foot: Foot, seed: u64) -> Result<Self, SimulationError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(1);
+        Ok(Self { foot, footprints: plan.footprints(&mut rng)? })
     }
 
     /// How long the walk lasts, s; before 0 and after it the foot rests.

@@ -64,6 +64,11 @@ impl Gait {
         }
     }
 
+    /// The same walk with a foot that rocks in stance as recorded feet do (15 °/s, 2 cm/s), see [`crate::foot_motion`].
+    pub const fn restless_walk() -> Self {
+        Self { stance_rock_rad: 0.8 * DEGREE, ..Self::walk() }
+    }
+
     /// Careful walk, 0.7 m/s.
     pub const fn slow() -> Self {
         Self {

@@ -31,6 +31,7 @@ use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::time::{Interval, Time};
 use adit_observation::{ImuSample, ImuSpecification};
 use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
@@ -159,9 +160,10 @@ pub struct ImuErrors {
 }
 
 impl ImuErrors {
-    /// Draws the constants of the run.
-    pub fn new(model: &ImuErrorModel, mut rng: ChaCha8Rng) -> Result<Self, SimulationError> {
+    /// Draws the constants of the run (`ChaCha8` of `seed`, stream 0).
+    pub fn new(model: &ImuErrorModel, seed: u64) -> Result<Self, SimulationError> {
         model.check()?;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         Ok(Self {
             gyro: Triad::new(model.gyro, &mut rng),
             accelerometer: Triad::new(model.accelerometer, &mut rng),

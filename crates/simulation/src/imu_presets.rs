@@ -5,6 +5,9 @@
 //! process of stationary σ and time τ peaks at 0.618 σ near 1.9 τ (IEEE Std 952-1997, annex B: 0.437 q √τ with
 //! `q = σ √(2/τ)`), so `σ = B / 0.618`. Correlation times and bias random walks are on no sheet: 100 s and 0 stand here
 //! as assumptions.
+//!
+//! The MPU-6050 figures were read off the sheet named; those of the other two are quoted from memory of theirs and want
+//! a check against the PDF before anything is published on them.
 
 use crate::ideal_imu::STANDARD_GRAVITY_M_S2 as G;
 use crate::imu_errors::{ImuErrorModel, TriadErrors};

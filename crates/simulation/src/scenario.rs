@@ -15,8 +15,6 @@ use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use adit_observation::ImuSample;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 /// Everything about a walk but the errors of the sensor.
@@ -118,9 +116,7 @@ impl FootWalkScenario {
 
     /// The walk itself, as varied by `seed`.
     pub fn walk(&self, seed: u64) -> Result<FootWalk, SimulationError> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(1);
-        FootWalk::new(&self.plan, self.foot, &mut rng)
+        FootWalk::new(&self.plan, self.foot, seed)
     }
 }
 
@@ -149,7 +145,7 @@ pub fn generate(
     Ok(Generator {
         walk: scenario.walk(seed)?,
         imu: scenario.imu,
-        errors: ImuErrors::new(errors, ChaCha8Rng::seed_from_u64(seed))?,
+        errors: ImuErrors::new(errors, seed)?,
         rate_hz: scenario.rate_hz,
         count: 0,
         before: Time::ZERO,
