@@ -61,7 +61,9 @@ fn an_unknown_unit_is_named_with_those_accepted() {
 #[test]
 fn two_columns_for_one_quantity_are_refused() {
     let text = HEADER.replace("acc_y_m_s2", "acc_x_g");
-    assert!(error_of("a.csv", text.as_bytes()).contains("columns acc_x_m_s2 and acc_x_g give the same quantity"));
+    assert!(
+        error_of("a.csv", text.as_bytes()).contains("columns acc_x_m_s2 and acc_x_g give the same quantity")
+    );
     let text = HEADER.replace("acc_y_m_s2", "time_ns");
     assert!(error_of("a.csv", text.as_bytes()).contains("columns time_s and time_ns give the same quantity"));
 }
@@ -87,15 +89,15 @@ fn a_line_of_other_length_is_named() {
 #[test]
 fn time_running_backwards_is_an_error_with_both_times() {
     let error = error_of("a.csv", &with_rows("0,0,0,9.8,0,0,0\n0.01,0,0,9.8,0,0,0\n0.005,0,0,9.8,0,0,0\n"));
-    assert_eq!(
-        error,
-        "a.csv:4: time runs backwards: found 0.005000000 s, expected more than 0.010000000 s"
-    );
+    assert_eq!(error, "a.csv:4: time runs backwards: found 0.005000000 s, expected more than 0.010000000 s");
 }
 
 #[test]
 fn repeated_rows_are_dropped_and_counted() {
-    let text = csv_log(4) + "0.015,0.1,0,9.8,0,0,0,1,1,1\n" + "0.015,0.1,0,9.8,0,0,0,1,1,1\n" + "0.02,0.1,0,9.8,0,0,0,1,1,1\n";
+    let text = csv_log(4)
+        + "0.015,0.1,0,9.8,0,0,0,1,1,1\n"
+        + "0.015,0.1,0,9.8,0,0,0,1,1,1\n"
+        + "0.02,0.1,0,9.8,0,0,0,1,1,1\n";
     let (observations, warnings) = read_all("a.csv", text.as_bytes()).unwrap();
     let imu = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
     assert_eq!(imu, 5);
@@ -155,7 +157,8 @@ fn a_damaged_gzip_log_is_an_error() {
 
 #[test]
 fn g_under_the_name_of_metres_per_second_squared_is_found_by_gravity() {
-    let rows: String = (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
+    let rows: String =
+        (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
     let error = error_of("a.csv", &with_rows(&rows));
     assert_eq!(
         error,
@@ -181,7 +184,8 @@ fn degrees_under_the_name_of_radians_are_found_when_too_fast() {
 fn units_are_not_judged_when_told_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
-    let rows: String = (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
+    let rows: String =
+        (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
     std::fs::write(&path, with_rows(&rows)).unwrap();
     let options = ReadOptions { check_units: false, ..ReadOptions::default() };
     assert_eq!(open_with(&path, &options).unwrap().count(), 100);

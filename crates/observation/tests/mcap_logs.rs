@@ -77,7 +77,8 @@ fn times_before_the_origin_and_negative_zero_survive() {
             specific_force_m_s2: Vector3::new(0.1 + 0.2, -9.8, 5e-324),
         })
     };
-    let written = [sample(i64::MIN, 1.0), sample(-1, 2.0), sample(0, 3.0), sample(1, 4.0), sample(i64::MAX, 5.0)];
+    let written =
+        [sample(i64::MIN, 1.0), sample(-1, 2.0), sample(0, 3.0), sample(1, 4.0), sample(i64::MAX, 5.0)];
     let (read, _) = read_all("a.mcap", &mcap(&written, Packing::Lz4)).unwrap();
     assert_eq!(format!("{read:?}"), format!("{written:?}"));
 }
@@ -142,8 +143,11 @@ fn two_topics_of_one_kind_must_be_chosen_from() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     write_with_topics(&path, &["/left"], "adit.v1.ImuSample");
-    let error = open(&path).err().unwrap().to_string();
-    assert!(error.contains("adit.v1.ImuSample observations on several topics: /imu, /left; choose one"), "{error}");
+    let error = open(&path).unwrap().find_map(Result::err).unwrap().to_string();
+    assert!(
+        error.contains("adit.v1.ImuSample observations on several topics: /imu, /left; choose one"),
+        "{error}"
+    );
     let options = adit_observation::ReadOptions { topics: vec!["/imu".to_owned()], ..Default::default() };
     assert_eq!(adit_observation::open_with(&path, &options).unwrap().count(), 1);
 }
@@ -161,7 +165,8 @@ fn write_with_topics(path: &Path, topics: &[&str], schema_name: &str) {
     let none = std::collections::BTreeMap::new();
     let schema = writer.add_schema("adit.v1.ImuSample", "protobuf", &schema_data).unwrap();
     let channel = writer.add_channel(schema, "/imu", "protobuf", &none).unwrap();
-    let header = |channel_id| mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+    let header =
+        |channel_id| mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
     writer.write_to_known_channel(&header(channel), &message).unwrap();
     for topic in topics {
         let schema = writer.add_schema(schema_name, "protobuf", b"").unwrap_or(schema);
