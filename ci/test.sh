@@ -80,7 +80,7 @@ libtest() {
 }
 
 nextest() {
-    local code junit="${CARGO_TARGET_DIR:-target}/nextest/default/junit.xml"
+    local code junit=target/nextest/default/junit.xml # where .config/nextest.toml puts it
     rm -f "$junit"
     begin "tests: $*"
     "$@" 2>&1 | tee "$logs/tests"
