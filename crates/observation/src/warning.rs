@@ -89,7 +89,7 @@ impl fmt::Display for LogWarning {
                 write!(f, "{place}: ignored topics that are not known: {}", topics.join(", "))
             }
             Self::RepeatedTime { first, count } => {
-                write!(f, "{first}: dropped {count} rows that repeat the time before them, first here")
+                write!(f, "{first}: dropped repetitions of the time before, from here on: {count}")
             }
             Self::Gap { place, before, after, limit } => write!(
                 f,
@@ -101,7 +101,7 @@ impl fmt::Display for LogWarning {
                 write!(f, "{place}: {count} more gaps, the longest of {} s", longest.seconds())
             }
             Self::SkippedRows { first, count } => {
-                write!(f, "{first}: skipped {count} rows with empty fields, first here")
+                write!(f, "{first}: skipped rows with empty fields, from here on: {count}")
             }
             Self::UnlikelyGravity { place, median_mm_s2 } => write!(
                 f,

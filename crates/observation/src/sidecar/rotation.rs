@@ -53,8 +53,11 @@ impl MountingRotation {
     /// From the rows of a matrix.
     pub fn from_rows(rows: [[f64; 3]; 3]) -> Result<Self, String> {
         let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
+        if let Some(bad) = matrix.iter().find(|v| !v.is_finite()) {
+            return Err(format!("found {bad} in the matrix, expected finite numbers"));
+        }
         let off = (matrix * matrix.transpose() - Matrix3::identity()).amax();
-        if off.is_nan() || off > TOLERANCE {
+        if off > TOLERANCE {
             return Err(format!("found rows that are off orthonormal by {off}, expected a rotation matrix"));
         }
         if matrix.determinant() < 0.0 {

@@ -5,7 +5,8 @@
 use adit_observation::files::Input;
 use adit_observation::mcap_log::{McapLogWriter, Packing};
 use adit_observation::{LogError, LogReader, LogWarning, Observation, ReadOptions};
-use std::io::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The folder of a set, or `None` with a printed line.
@@ -41,7 +42,7 @@ pub fn csv_log(rows: usize) -> String {
         let (seconds, millis) = (row * 5 / 1000, row * 5 % 1000);
         let wobble = (row % 7) as f64 / 1000.0;
         let field = if row % 2 == 0 { "17.5,1.25,-42.75" } else { ",," };
-        text += &format!("{seconds}.{millis:03},0.1,{wobble},9.8,-0.0,0.01,{wobble},{field}\n");
+        writeln!(text, "{seconds}.{millis:03},0.1,{wobble},9.8,-0.0,0.01,{wobble},{field}").unwrap();
     }
     text
 }

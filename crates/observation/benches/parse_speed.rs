@@ -1,0 +1,86 @@
+//! Rows per second of every reader and writer of logs, on 200,000 rows in memory with the digits of a real log.
+#![expect(missing_docs, reason = "criterion's macros make undocumented functions")]
+#![expect(clippy::unwrap_used, reason = "a benchmark may stop")]
+
+use adit_core::nalgebra::Vector3;
+use adit_core::time::Time;
+use adit_observation::csv_log::{CsvLogWriter, Sensors};
+use adit_observation::files::Input;
+use adit_observation::mcap_log::{McapLogWriter, Packing};
+use adit_observation::{ImuSample, LogReader, MagneticSample, Observation, ReadOptions};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::path::Path;
+
+const ROWS: u32 = 200_000;
+
+fn observations(magnetic: bool) -> Vec<Observation> {
+    let round = |v: f64, digits: f64| (v * digits).round() / digits;
+    let mut observations = Vec::new();
+    for row in 0..ROWS {
+        let time = Time::from_nanos(i64::from(row) * 5_000_000);
+        let phase = f64::from(row) * 0.01;
+        let wave = |shift: f64, digits| round((phase + shift).sin(), digits);
+        observations.push(Observation::Imu(ImuSample {
+            time,
+            angular_rate_rad_s: Vector3::new(wave(0.0, 1e6), wave(1.0, 1e6), wave(2.0, 1e6)),
+            specific_force_m_s2: Vector3::new(
+                wave(3.0, 1e5),
+                wave(4.0, 1e5),
+                round(9.8 + wave(5.0, 1e5), 1e5),
+            ),
+        }));
+        if magnetic {
+            let field_ut =
+                Vector3::new(round(20.0 + phase.sin(), 1e3), wave(1.0, 1e3), round(-45.0 - phase.cos(), 1e3));
+            observations.push(Observation::Magnetic(MagneticSample { time, field_ut }));
+        }
+    }
+    observations
+}
+
+fn write_csv(path: &Path, observations: &[Observation], sensors: Sensors) {
+    let mut writer = CsvLogWriter::create(path, sensors).unwrap();
+    observations.iter().for_each(|o| writer.push(o).unwrap());
+    writer.finish().unwrap();
+}
+
+fn write_mcap(path: &Path, observations: &[Observation], packing: Packing) {
+    let mut writer = McapLogWriter::create(path, packing).unwrap();
+    observations.iter().for_each(|o| writer.push(o).unwrap());
+    writer.finish().unwrap();
+}
+
+fn speeds(criterion: &mut Criterion) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (six, nine) = (observations(false), observations(true));
+    let mut group = criterion.benchmark_group("rows");
+    group.throughput(Throughput::Elements(u64::from(ROWS))).sample_size(10);
+
+    write_csv(&at("six.csv"), &six, Sensors::Imu);
+    write_csv(&at("nine.csv"), &nine, Sensors::ImuMagnetic);
+    write_csv(&at("nine.csv.gz"), &nine, Sensors::ImuMagnetic);
+    write_mcap(&at("nine_lz4.mcap"), &nine, Packing::Lz4);
+    write_mcap(&at("nine_plain.mcap"), &nine, Packing::Plain);
+    for name in ["six.csv", "nine.csv", "nine.csv.gz", "nine_lz4.mcap", "nine_plain.mcap"] {
+        let bytes = std::fs::read(at(name)).unwrap();
+        println!("{name}: {} bytes", bytes.len());
+        group.bench_function(format!("read {name}"), |bencher| {
+            bencher.iter(|| {
+                let input = Input::from_bytes(name, &bytes).unwrap();
+                let log = LogReader::from_input(input, &ReadOptions::default()).unwrap();
+                log.fold(0, |sum, observation| sum ^ black_box(observation.unwrap()).time().nanos())
+            });
+        });
+    }
+    group.bench_function("write nine.csv", |b| {
+        b.iter(|| write_csv(&at("w.csv"), &nine, Sensors::ImuMagnetic))
+    });
+    group
+        .bench_function("write nine_lz4.mcap", |b| b.iter(|| write_mcap(&at("w.mcap"), &nine, Packing::Lz4)));
+    group.finish();
+}
+
+criterion_group!(benches, speeds);
+criterion_main!(benches);
