@@ -1,1 +1,16 @@
-//! TODO
+//! Positioning methods: observations in, solutions and innovations out.
+//!
+//! - [`kalman`]: what every filter shares: the measurement model and its [`kalman::Innovation`].
+//! - [`inertial`]: alignment at rest, strapdown integration, the error-state filter and its smoother.
+//! - [`pedestrian`]: what is true of people: when a foot stands still.
+//! - [`methods`]: the published systems and adit's own, each readable whole in one file.
+//!
+//! Everything takes one observation at a time in bounded memory and is `no_std` + `alloc`.
+#![no_std]
+
+extern crate alloc;
+
+pub mod inertial;
+pub mod kalman;
+pub mod methods;
+pub mod pedestrian;

@@ -1,0 +1,81 @@
+//! Alignment at rest: roll and pitch from gravity, heading from the magnetometer where there is one.
+//!
+//! S2 (Kang 2023, eq. 2–4): at rest the accelerometer reads gravity alone, which levels the sensor whatever way up it
+//! is mounted; the levelled magnetic field gives the heading, plus declination. Without a magnetometer the body's x
+//! axis is taken as north: the frame is then turned by an unknown angle, constant over the log.
+
+use adit_core::attitude::{self, Attitude};
+use adit_core::nalgebra::Vector3;
+use adit_observation::{ImuSample, MagneticSample};
+use serde::{Deserialize, Serialize};
+
+/// Deviation of the specific force, m/s², and rate, rad/s, above which a body is not at rest.
+///
+/// A foot that bears weight sways by less than 0.5 m/s² and 0.3 rad/s; a step reaches 20 times that.
+const REST_FORCE_M_S2: f64 = 1.0;
+const REST_RATE_RAD_S: f64 = 0.5;
+
+/// Running means of the samples at the start of a log.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct RestAlignment {
+    samples: u32,
+    force_sum: Vector3<f64>,
+    force_squared_sum: f64,
+    rate_squared_sum: f64,
+    fields: u32,
+    field_sum: Vector3<f64>,
+}
+
+/// Outcome of an alignment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aligned {
+    /// Body to local level.
+    pub attitude: Attitude,
+    /// Standard deviation of roll and pitch that the motion during the alignment adds, rad.
+    pub tilt_sigma_rad: f64,
+    /// Length of the mean specific force, m/s².
+    pub force_m_s2: f64,
+    /// True when the body was at rest.
+    pub at_rest: bool,
+    /// True when the heading came from the magnetometer.
+    pub magnetic: bool,
+}
+
+impl RestAlignment {
+    /// Takes one IMU sample.
+    pub fn observe_imu(&mut self, imu: &ImuSample) {
+        self.samples += 1;
+        self.force_sum += imu.specific_force_m_s2;
+        self.force_squared_sum += imu.specific_force_m_s2.norm_squared();
+        self.rate_squared_sum += imu.angular_rate_rad_s.norm_squared();
+    }
+
+    /// Takes one magnetometer sample.
+    pub fn observe_magnetic(&mut self, magnetic: &MagneticSample) {
+        self.fields += 1;
+        self.field_sum += magnetic.field_ut;
+    }
+
+    /// Attitude from what was seen; `None` without a usable specific force.
+    ///
+    /// `declination_rad` is the angle from true to magnetic north, positive to the east.
+    pub fn align(&self, gravity_m_s2: f64, declination_rad: f64) -> Option<Aligned> {
+        let count = f64::from(self.samples.max(1));
+        let force = self.force_sum / count;
+        let variance = (self.force_squared_sum / count - force.norm_squared()).max(0.0);
+        let deviation = libm::sqrt(variance);
+        let rate = libm::sqrt(self.rate_squared_sum / count);
+
+        let facing_north = attitude::level(&force, 0.0)?;
+        let field = facing_north * self.field_sum;
+        let magnetic = self.fields > 0 && field.xy().norm_squared() > 0.0;
+        let heading = if magnetic { declination_rad - libm::atan2(field.x, field.y) } else { 0.0 };
+        Some(Aligned {
+            attitude: attitude::level(&force, heading)?,
+            tilt_sigma_rad: deviation / gravity_m_s2,
+            force_m_s2: libm::sqrt(force.norm_squared()),
+            at_rest: deviation < REST_FORCE_M_S2 && rate < REST_RATE_RAD_S,
+            magnetic,
+        })
+    }
+}

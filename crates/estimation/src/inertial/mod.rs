@@ -1,0 +1,7 @@
+//! Inertial navigation in the local level frame (east, north, up) with an error-state Kalman filter.
+
+pub mod alignment;
+pub mod covariance;
+pub mod filter;
+pub mod smoother;
+pub mod strapdown;

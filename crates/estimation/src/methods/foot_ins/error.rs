@@ -1,0 +1,82 @@
+//! What can go wrong, and what is only worth a warning.
+
+use adit_core::time::Time;
+use alloc::string::String;
+use serde::{Deserialize, Serialize};
+
+/// Why `foot-ins` cannot go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FootInsError {
+    /// A setting is negative, zero or not finite where it must not be.
+    #[error("setting {name} of foot-ins cannot be used: it must be a finite number in its range")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+    },
+    /// A sample holds a NaN or an infinity.
+    #[error("IMU sample at {time} s holds a value that is not a finite number")]
+    NotFinite {
+        /// Time of the sample.
+        time: Time,
+    },
+    /// Samples do not come in rising order of time.
+    #[error("IMU sample at {found} s does not come after the one at {before} s")]
+    TimeNotRising {
+        /// Time of the sample.
+        found: Time,
+        /// Time of the one before.
+        before: Time,
+    },
+    /// The specific force at the start cannot be gravity.
+    #[error(
+        "mean specific force at the start is {found:.3} m/s², expected about {expected:.3} (is it in g, or is the sensor in free fall?)"
+    )]
+    NotGravity {
+        /// Length of the mean specific force, m/s².
+        found: f64,
+        /// Gravity at the site, m/s².
+        expected: f64,
+    },
+    /// The estimate has left the range of numbers.
+    #[error("the estimate at {time} s is not finite any more")]
+    Diverged {
+        /// Time of the sample.
+        time: Time,
+    },
+    /// The log ended before the first sample.
+    #[error("the log holds no IMU sample")]
+    Empty,
+}
+
+/// What a user should know of a run that went on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum FootInsWarning {
+    /// The sensor moved during alignment: roll and pitch are uncertain at the start.
+    NoRestAtStart {
+        /// Standard deviation of roll and pitch taken instead, rad.
+        tilt_sigma_rad: f64,
+    },
+    /// Samples are missing: nothing was integrated over the gap.
+    Gap {
+        /// Time of the sample after the gap.
+        time: Time,
+        /// Length, s.
+        length_s: f64,
+    },
+}
+
+impl FootInsWarning {
+    /// One line for people.
+    pub fn text(&self) -> String {
+        match self {
+            Self::NoRestAtStart { tilt_sigma_rad } => alloc::format!(
+                "the foot is not at rest at the start of the log: roll and pitch are taken as known to {:.1}° only",
+                tilt_sigma_rad.to_degrees()
+            ),
+            Self::Gap { time, length_s } => alloc::format!(
+                "samples are missing for {length_s:.3} s before {time} s: position is uncertain from there on"
+            ),
+        }
+    }
+}

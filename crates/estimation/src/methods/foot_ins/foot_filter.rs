@@ -1,0 +1,185 @@
+//! The filter of `foot-ins`: what one sample with its stance does to the estimate.
+
+use super::params::{FootInsParams, HeadingAid};
+use crate::inertial::covariance::{ATTITUDE, Covariance, POSITION, VELOCITY};
+use crate::inertial::filter::{FilterState, InertialFilter};
+use crate::inertial::smoother::Corrections;
+use crate::inertial::strapdown::{NavigationState, Step};
+use crate::pedestrian::heading::StraightLegs;
+use crate::pedestrian::stance::Stance;
+use crate::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
+use adit_core::attitude::Attitude;
+use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_core::solution::{Quality, Solution};
+use adit_core::time::Time;
+use adit_observation::ImuSample;
+use serde::{Deserialize, Serialize};
+
+/// Walking speed that a foot may have had over a gap in the log, standard deviation, m/s.
+const GAP_SPEED_M_S: f64 = 2.0;
+/// Rate of turn over a gap, standard deviation, rad/s, and its greatest effect, rad.
+const GAP_RATE_RAD_S: f64 = 0.5;
+const GAP_TURN_RAD: f64 = 0.5;
+
+/// Estimate of one walker, with the little memory that the updates need.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FootFilter {
+    params: FootInsParams,
+    inertial: InertialFilter,
+    time: Time,
+    /// Length of the last prediction, s.
+    interval_s: f64,
+    /// Time since the last zero-velocity update that was tried, and since the last that was accepted, s.
+    since_update_s: f64,
+    since_accepted_s: f64,
+    /// Time at rest, s.
+    at_rest_s: f64,
+    straight_legs: Option<StraightLegs>,
+}
+
+impl FootFilter {
+    pub(super) fn new(params: &FootInsParams, time: Time, attitude: Attitude, tilt_sigma_rad: f64) -> Self {
+        let sigma = &params.initial;
+        let all = |sigma: f64| Vector3::repeat(sigma * sigma);
+        let tilt = tilt_sigma_rad * tilt_sigma_rad;
+        let covariance = Covariance::from_variances(&[
+            Vector3::new(tilt, tilt, sigma.heading_rad * sigma.heading_rad),
+            all(sigma.velocity_m_s),
+            all(sigma.position_m),
+            all(sigma.gyro_bias_rad_s),
+            all(sigma.acc_bias_m_s2),
+            all(sigma.contact_m),
+        ]);
+        let navigation = NavigationState {
+            attitude,
+            velocity_m_s: Vector3::zeros(),
+            position_m: Vector3::zeros(),
+            gyro_bias_rad_s: Vector3::zeros(),
+            acc_bias_m_s2: Vector3::zeros(),
+        };
+        let state = FilterState { navigation, contact_m: Vector3::zeros() };
+        Self {
+            inertial: InertialFilter::new(state, covariance, params.gravity_m_s2),
+            time,
+            interval_s: 0.0,
+            since_update_s: f64::INFINITY,
+            since_accepted_s: 0.0,
+            at_rest_s: 0.0,
+            straight_legs: (params.heading_aid == HeadingAid::StraightLegs).then(StraightLegs::default),
+            params: params.clone(),
+        }
+    }
+
+    /// Length of the gap before a sample when it is too long to integrate over, s.
+    pub fn gap_before(&self, imu: &ImuSample) -> Option<f64> {
+        let interval_s = (imu.time - self.time).seconds();
+        (interval_s > self.params.gap_s).then_some(interval_s)
+    }
+
+    /// Carries the estimate to the time of the sample.
+    pub fn predict(&mut self, imu: &ImuSample) -> Step {
+        let gap = self.gap_before(imu);
+        let interval_s = if gap.is_some() { 0.0 } else { (imu.time - self.time).seconds() };
+        self.time = imu.time;
+        self.interval_s = interval_s;
+        self.since_update_s += interval_s;
+        self.since_accepted_s += interval_s;
+        if let Some(gap_s) = gap {
+            self.cross_gap(gap_s);
+        }
+        self.inertial.predict(imu, interval_s, &self.params.noise)
+    }
+
+    /// In stance: velocity of the contact, then zero rate and gravity if the foot is still enough.
+    pub fn correct(&mut self, imu: &ImuSample, stance: &Stance) -> Corrections {
+        let mut corrections = Corrections::default();
+        let z = &self.params.zero_velocity;
+        self.at_rest_s =
+            if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
+        // Half a sampling interval of slack, so that jitter of the stamps does not skip an update.
+        if !stance.is_still() || self.since_update_s < z.interval_s - 0.001 {
+            return corrections;
+        }
+        self.since_update_s = 0.0;
+
+        let gate_open = self.at_rest_s >= z.rest_s || self.since_accepted_s > z.patience_s;
+        let gate = if gate_open { f64::INFINITY } else { z.gate_nis };
+        let contact = ContactVelocity {
+            angular_rate_rad_s: imu.angular_rate_rad_s,
+            sigma_m_s: self.contact_sigma_m_s(stance),
+            lever_sigma_m: z.lever_sigma_m,
+        };
+        corrections.contact = self.inertial.update(&contact.linearise(&self.inertial.state), gate);
+        if !corrections.contact.as_ref().is_some_and(|update| update.innovation.accepted) {
+            return corrections;
+        }
+        self.since_accepted_s = 0.0;
+
+        if stance.statistic < self.params.zero_rate.statistic {
+            let rate = imu.angular_rate_rad_s - self.inertial.state.navigation.gyro_bias_rad_s;
+            let r = &self.params.zero_rate;
+            let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
+            let zero_rate =
+                ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
+            corrections.rate =
+                self.inertial.update(&zero_rate.linearise(&self.inertial.state), f64::INFINITY);
+        }
+        if stance.statistic < self.params.rest_gravity.statistic {
+            let gravity = RestGravity {
+                specific_force_m_s2: imu.specific_force_m_s2,
+                sigma_m_s2: self.params.rest_gravity.sigma_m_s2,
+                gravity_m_s2: self.params.gravity_m_s2,
+            };
+            corrections.gravity =
+                self.inertial.update(&gravity.linearise(&self.inertial.state), f64::INFINITY);
+        }
+        if let Some(legs) = &mut self.straight_legs
+            && let Some(heading) = legs.observe(self.time, &self.inertial.state.navigation.position_m)
+        {
+            corrections.heading = self.inertial.update(&heading, f64::INFINITY);
+        }
+        corrections
+    }
+
+    /// The estimate as a solution.
+    pub fn solution(&self) -> Solution {
+        self.inertial.state.solution(self.time, &self.inertial.covariance, self.quality())
+    }
+
+    /// How far the estimate can be trusted.
+    pub fn quality(&self) -> Quality {
+        if self.since_accepted_s > self.params.lost_after_s { Quality::Lost } else { Quality::DeadReckoning }
+    }
+
+    /// Everything estimated, biases and lever included.
+    pub fn state(&self) -> &FilterState {
+        &self.inertial.state
+    }
+
+    /// Covariance of everything estimated.
+    pub fn covariance(&self) -> &Covariance {
+        &self.inertial.covariance
+    }
+
+    fn contact_sigma_m_s(&self, stance: &Stance) -> f64 {
+        let z = &self.params.zero_velocity;
+        let excess = (stance.statistic / stance.least.max(f64::MIN_POSITIVE) - 1.0).max(0.0);
+        libm::sqrt(
+            z.sigma_m_s * z.sigma_m_s
+                + z.statistic_sigma_m_s * z.statistic_sigma_m_s * stance.statistic
+                + z.excess_sigma_m_s * z.excess_sigma_m_s * excess,
+        )
+    }
+
+    /// Nothing is known of the motion over a gap: the uncertainty says so, and the gate opens.
+    fn cross_gap(&mut self, gap_s: f64) {
+        let speed = GAP_SPEED_M_S * GAP_SPEED_M_S;
+        let turn = (GAP_RATE_RAD_S * gap_s).min(GAP_TURN_RAD);
+        self.inertial.state.navigation.velocity_m_s = Vector3::zeros();
+        self.inertial.covariance.inflate(VELOCITY, &(Matrix3::identity() * speed));
+        self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * (speed * gap_s * gap_s)));
+        self.inertial.covariance.inflate(ATTITUDE, &(Matrix3::identity() * (turn * turn)));
+        self.since_accepted_s = f64::INFINITY;
+        self.at_rest_s = 0.0;
+    }
+}

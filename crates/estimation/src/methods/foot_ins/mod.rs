@@ -1,0 +1,236 @@
+//! `foot-ins` (system S2 and beyond): a foot-mounted IMU, zero velocity in stance, nothing else.
+//!
+//! ```text
+//! samples → stance detector (looks ahead) → strapdown → error-state filter → solution
+//!                        └────── still ──────→ velocity of the contact, zero rate, gravity ──┘
+//! ```
+//!
+//! After Kang (2023): threshold detection of stance, alignment at rest, quaternion strapdown, zero velocity as the
+//! measurement of a Kalman filter. Beyond the paper: an adaptive detector ([`crate::pedestrian::stance`]), the rolling
+//! foot as measurement model ([`crate::pedestrian::zero_velocity`]), sensor errors that grow with the motion
+//! ([`crate::inertial::filter::SensorNoise`]), estimated biases, an innovation gate that knows the velocity of a foot
+//! that is lifted slowly, and smoothing ([`smoothing`]).
+//!
+//! Frames: local level ENU, z up, origin at the first sample; heading by magnetometer, else the body's x axis is north.
+
+mod error;
+mod foot_filter;
+mod params;
+pub mod smoothing;
+
+pub use error::{FootInsError, FootInsWarning};
+pub use foot_filter::FootFilter;
+pub use params::{
+    FootInsParams, HeadingAid, InitialSigma, RestGravityParams, ZeroRateParams, ZeroVelocityParams,
+};
+pub use smoothing::{FixedLag, smooth};
+
+use crate::inertial::alignment::RestAlignment;
+use crate::inertial::smoother::Corrections;
+use crate::kalman::Innovation;
+use crate::pedestrian::stance::{Stance, StanceDetector};
+use adit_core::solution::Solution;
+use adit_core::time::Time;
+use adit_observation::{ImuSample, Observation};
+use alloc::vec::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Warnings kept in a report; later ones of a broken log are only counted by their effect.
+const WARNINGS_KEPT: usize = 100;
+
+/// Foot-mounted inertial navigation of one walker, streaming.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct FootIns {
+    params: FootInsParams,
+    detector: StanceDetector,
+    alignment: RestAlignment,
+    first: Option<Time>,
+    latest: Option<Time>,
+    filter: Option<FootFilter>,
+    report: FootInsReport,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct FootInsReport {
+    /// IMU samples processed.
+    pub samples: u64,
+    /// Samples in stance.
+    pub still_samples: u64,
+    /// Zero-velocity updates used.
+    pub accepted_updates: u64,
+    /// Zero-velocity updates kept out by the gate.
+    pub rejected_updates: u64,
+    /// Sum of the normalised innovations squared of the used ones (3 degrees of freedom each).
+    pub accepted_nis_sum: f64,
+    /// Standard deviation of roll and pitch at the start, rad.
+    pub initial_tilt_sigma_rad: f64,
+    /// True when the heading came from the magnetometer.
+    pub magnetic_heading: bool,
+    /// Warnings, at most the first hundred.
+    pub warnings: Vec<FootInsWarning>,
+}
+
+impl FootInsReport {
+    /// Mean normalised innovation squared of the used updates: 3 when the filter is consistent.
+    pub fn mean_nis(&self) -> Option<f64> {
+        (self.accepted_updates > 0).then(|| self.accepted_nis_sum / self.accepted_updates as f64)
+    }
+
+    fn count(&mut self, stance: &Stance, innovation: Option<&Innovation>) {
+        self.samples += 1;
+        self.still_samples += u64::from(stance.is_still());
+        match innovation {
+            Some(innovation) if innovation.accepted => {
+                self.accepted_updates += 1;
+                self.accepted_nis_sum += innovation.nis;
+            }
+            Some(_) => self.rejected_updates += 1,
+            None => {}
+        }
+    }
+
+    fn warn(&mut self, warning: FootInsWarning) {
+        if self.warnings.len() < WARNINGS_KEPT {
+            self.warnings.push(warning);
+        }
+    }
+}
+
+impl FootIns {
+    /// A walker of whom nothing is known yet.
+    pub fn new(params: FootInsParams) -> Result<Self, FootInsError> {
+        if let Some(name) = params.unusable() {
+            return Err(FootInsError::Setting { name });
+        }
+        Ok(Self {
+            detector: StanceDetector::new(params.stance.clone(), params.gravity_m_s2),
+            params,
+            alignment: RestAlignment::default(),
+            first: None,
+            latest: None,
+            filter: None,
+            report: FootInsReport::default(),
+        })
+    }
+
+    /// One observation in, at most one solution out, later by the look-ahead of the detector.
+    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
+        match self.take(observation)? {
+            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// After the last observation: the solutions still due, one at a time, then `None`.
+    pub fn finish_next(&mut self) -> Result<Option<Solution>, FootInsError> {
+        match self.drain()? {
+            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// What the run did so far.
+    pub fn report(&self) -> &FootInsReport {
+        &self.report
+    }
+
+    /// The filter, once aligned: estimate, covariance, biases.
+    pub fn filter(&self) -> Option<&FootFilter> {
+        self.filter.as_ref()
+    }
+
+    /// Memory of this walker's state, bytes.
+    pub fn state_bytes(&self) -> usize {
+        size_of::<Self>() + self.detector.heap_bytes()
+    }
+
+    /// Checks an observation and hands it to alignment and detector; returns the sample that is now due.
+    fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, FootInsError> {
+        let imu = match observation {
+            Observation::Imu(imu) => imu,
+            Observation::Magnetic(magnetic) => {
+                if self.filter.is_none() && magnetic.field_ut.iter().all(|v| v.is_finite()) {
+                    self.alignment.observe_magnetic(magnetic);
+                }
+                return Ok(None);
+            }
+        };
+        if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
+            return Err(FootInsError::NotFinite { time: imu.time });
+        }
+        if let Some(before) = self.latest
+            && imu.time <= before
+        {
+            return Err(FootInsError::TimeNotRising { found: imu.time, before });
+        }
+        self.latest = Some(imu.time);
+        self.detector.push(*imu);
+        if self.filter.is_none() {
+            let elapsed = (imu.time - *self.first.get_or_insert(imu.time)).seconds();
+            if elapsed < self.params.alignment_s {
+                self.alignment.observe_imu(imu);
+                return Ok(None);
+            }
+            self.align()?;
+        }
+        Ok(self.detector.pop())
+    }
+
+    fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, FootInsError> {
+        if self.filter.is_none() {
+            self.align()?;
+        }
+        Ok(self.detector.drain())
+    }
+
+    /// Levels the sensor and starts the filter at the first sample.
+    fn align(&mut self) -> Result<(), FootInsError> {
+        let first = self.first.ok_or(FootInsError::Empty)?;
+        let gravity = self.params.gravity_m_s2;
+        let aligned = self
+            .alignment
+            .align(gravity, self.params.declination_rad)
+            .ok_or(FootInsError::NotGravity { found: 0.0, expected: gravity })?;
+        if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
+            return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
+        }
+        let mut tilt_sigma_rad = self.params.initial.tilt_rad;
+        if !aligned.at_rest {
+            tilt_sigma_rad += aligned.tilt_sigma_rad;
+            self.report.warn(FootInsWarning::NoRestAtStart { tilt_sigma_rad });
+        }
+        self.report.initial_tilt_sigma_rad = tilt_sigma_rad;
+        self.report.magnetic_heading = aligned.magnetic;
+        self.filter = Some(FootFilter::new(&self.params, first, aligned.attitude, tilt_sigma_rad));
+        Ok(())
+    }
+
+    /// Predict, and in stance update: the method.
+    fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Solution, FootInsError> {
+        let filter = self.filter.as_mut().ok_or(FootInsError::Empty)?;
+        if let Some(gap) = filter.gap_before(imu) {
+            self.report.warn(FootInsWarning::Gap { time: imu.time, length_s: gap });
+        }
+        filter.predict(imu);
+        let corrections = filter.correct(imu, stance);
+        let solution = filter.solution();
+        self.note(&solution, stance, &corrections)?;
+        Ok(solution)
+    }
+
+    /// Counts what was done and stops at an estimate that is no number any more.
+    fn note(
+        &mut self,
+        solution: &Solution,
+        stance: &Stance,
+        corrections: &Corrections,
+    ) -> Result<(), FootInsError> {
+        self.report.count(stance, corrections.contact.as_ref().map(|update| &update.innovation));
+        if solution.position_m.iter().all(|v| v.is_finite()) {
+            Ok(())
+        } else {
+            Err(FootInsError::Diverged { time: solution.time })
+        }
+    }
+}

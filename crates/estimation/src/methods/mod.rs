@@ -1,0 +1,3 @@
+//! The positioning methods, one module each.
+
+pub mod foot_ins;

@@ -1,0 +1,5 @@
+//! What is true of people on foot.
+
+pub mod heading;
+pub mod stance;
+pub mod zero_velocity;
