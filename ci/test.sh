@@ -102,9 +102,7 @@ else
 fi
 libtest doc-tests cargo test --locked --workspace --doc --no-fail-fast
 check docs env RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --quiet
-for room in observation estimation; do
-    check "no-std" proofs/no-std/check.sh "$room"
-done
+check no-std proofs/no-std/check.sh estimation
 
 printf '\n'
 cat "$logs/parts"

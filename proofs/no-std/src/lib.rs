@@ -26,6 +26,8 @@ pub fn first_failed() -> u8 {
         a_solution_has_a_radius,
         #[cfg(feature = "observation")]
         a_sample_at_rest_is_an_observation,
+        #[cfg(feature = "estimation")]
+        a_foot_at_rest_stays_where_it_is,
     ];
     let failed = checks.iter().position(|check| core::hint::black_box(check)() != Some(true));
     failed.map_or(0, |index| u8::try_from(index + 1).unwrap_or(98))
@@ -100,4 +102,26 @@ fn a_sample_at_rest_is_an_observation() -> Option<bool> {
         specific_force_m_s2: Vector3::new(0.0, 0.0, normal_gravity_m_s2(0.9)),
     };
     Some(Observation::Imu(sample).time() == sample.time && level(&sample.specific_force_m_s2, 0.0).is_some())
+}
+
+#[cfg(feature = "estimation")]
+fn a_foot_at_rest_stays_where_it_is() -> Option<bool> {
+    use adit_estimation::methods::foot_ins::{FootIns, FootInsParams};
+    use adit_observation::{ImuSample, Observation};
+    let mut method = FootIns::new(FootInsParams::default()).ok()?;
+    let mut last = None;
+    for sample in 1..=600 {
+        let observation = Observation::Imu(ImuSample {
+            time: Time::from_nanos(sample * 5_000_000),
+            angular_rate_rad_s: Vector3::zeros(),
+            specific_force_m_s2: Vector3::new(0.1, -0.2, -normal_gravity_m_s2(0.9)),
+        });
+        last = method.observe(&observation).ok()?.or(last);
+    }
+    while let Some(solution) = method.finish_next().ok()? {
+        last = Some(solution);
+    }
+    let last = last?;
+    // A millimetre: the tilt is found within the first samples, and the velocity held at zero from then on.
+    Some(last.time.seconds() == 3.0 && last.position_m.norm() < 1e-3 && last.radius_95_m() < 1.0)
 }

@@ -32,6 +32,11 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     exit(99)
 }
 
+/// Named by the unwind tables that the compiler's own builtins carry on Linux (wide integers, say); never called, since
+/// a panic ends the program. Were `std` linked, it would bring another and the linker would stop.
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
+
 const ARENA_BYTES: usize = 1 << 20;
 
 /// Hands out a static buffer front to back and takes nothing back: enough for a program that ends.
