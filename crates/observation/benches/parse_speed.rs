@@ -1,5 +1,4 @@
 //! Rows per second of every reader and writer of logs, on 200,000 rows in memory with the digits of a real log.
-#![expect(missing_docs, reason = "criterion's macros make undocumented functions")]
 #![expect(clippy::unwrap_used, reason = "a benchmark may stop")]
 
 use adit_core::nalgebra::Vector3;
@@ -41,13 +40,17 @@ fn observations(magnetic: bool) -> Vec<Observation> {
 
 fn write_csv(path: &Path, observations: &[Observation], sensors: Sensors) {
     let mut writer = CsvLogWriter::create(path, sensors).unwrap();
-    observations.iter().for_each(|o| writer.push(o).unwrap());
+    for observation in observations {
+        writer.push(observation).unwrap();
+    }
     writer.finish().unwrap();
 }
 
 fn write_mcap(path: &Path, observations: &[Observation], packing: Packing) {
     let mut writer = McapLogWriter::create(path, packing).unwrap();
-    observations.iter().for_each(|o| writer.push(o).unwrap());
+    for observation in observations {
+        writer.push(observation).unwrap();
+    }
     writer.finish().unwrap();
 }
 
@@ -75,10 +78,11 @@ fn speeds(criterion: &mut Criterion) {
         });
     }
     group.bench_function("write nine.csv", |b| {
-        b.iter(|| write_csv(&at("w.csv"), &nine, Sensors::ImuMagnetic))
+        b.iter(|| write_csv(&at("w.csv"), &nine, Sensors::ImuMagnetic));
     });
-    group
-        .bench_function("write nine_lz4.mcap", |b| b.iter(|| write_mcap(&at("w.mcap"), &nine, Packing::Lz4)));
+    group.bench_function("write nine_lz4.mcap", |b| {
+        b.iter(|| write_mcap(&at("w.mcap"), &nine, Packing::Lz4));
+    });
     group.finish();
 }
 

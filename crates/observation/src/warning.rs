@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Gaps listed one by one; later ones are only counted, so that memory stays bounded.
-pub const GAPS_LISTED: usize = 20;
+const GAPS_LISTED: usize = 20;
 
 /// Something odd in a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub enum LogWarning {
         /// The limit it exceeds.
         limit: Interval,
     },
-    /// Gaps past the first [`GAPS_LISTED`].
+    /// Gaps past the first twenty.
     MoreGaps {
         /// The file.
         place: Place,

@@ -1,5 +1,5 @@
 //! Bad logs: each a clear error with file and line, or a documented warning where work can go on.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod common;
 

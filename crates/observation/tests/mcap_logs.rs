@@ -133,7 +133,7 @@ fn channels_of_others_are_ignored_with_a_warning() {
     let path = folder.path().join("a.mcap");
     write_with_topics(&path, &["/chat"], "other.Message");
     let mut log = open(&path).unwrap();
-    assert_eq!(log.by_ref().filter(Result::is_ok).count(), 1);
+    assert_eq!(log.by_ref().flatten().count(), 1);
     let warnings: Vec<String> = log.warnings().iter().map(ToString::to_string).collect();
     assert_eq!(warnings, [format!("{}: ignored topics that are not known: /chat", path.display())]);
 }

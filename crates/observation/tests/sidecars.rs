@@ -1,5 +1,5 @@
 //! Sidecars: found beside the log, applied to its samples, refused with file and line.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use adit_core::nalgebra::Vector3;
 use adit_observation::sidecar::{Location, Sidecar};
