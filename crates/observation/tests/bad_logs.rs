@@ -8,6 +8,10 @@ use common::{csv_log, error_of, gzip, read_all};
 
 const HEADER: &str = "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s\n";
 
+fn rows_of(count: i32, row: impl Fn(i32) -> String) -> String {
+    (0..count).map(row).collect()
+}
+
 fn with_rows(rows: &str) -> Vec<u8> {
     format!("{HEADER}{rows}").into_bytes()
 }
@@ -119,7 +123,7 @@ fn a_gap_is_a_warning_with_its_length() {
 
 #[test]
 fn many_gaps_are_counted_in_bounded_memory() {
-    let rows: String = (0..10_000).map(|s| format!("{s},0,0,9.8,0,0,0\n")).collect();
+    let rows = rows_of(10_000, |s| format!("{s},0,0,9.8,0,0,0\n"));
     let (_, warnings) = read_all("a.csv", &with_rows(&rows)).unwrap();
     assert_eq!(warnings.len(), 21);
     assert_eq!(warnings[20].to_string(), "a.csv: 9979 more gaps, the longest of 1 s");
@@ -157,22 +161,21 @@ fn a_damaged_gzip_log_is_an_error() {
 
 #[test]
 fn g_under_the_name_of_metres_per_second_squared_is_found_by_gravity() {
-    let rows: String =
-        (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
+    let rows: String = rows_of(100, |i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0));
     let error = error_of("a.csv", &with_rows(&rows));
     assert_eq!(
         error,
         "a.csv:101: specific force at rest: found a median of 0.999 m/s² after conversion, expected about 9.8 m/s²: \
          this looks like g, not m/s² (or gravity has been taken out)"
     );
-    let rows: String = (0..100).map(|i| format!("{},0.2,0.1,9.8,0,0,0\n", f64::from(i) / 100.0)).collect();
+    let rows = rows_of(100, |i| format!("{},0.2,0.1,9.8,0,0,0\n", f64::from(i) / 100.0));
     let text = (HEADER.to_owned() + &rows).replace("_m_s2", "_g");
     assert!(error_of("a.csv", text.as_bytes()).contains("this looks like m/s², not g"));
 }
 
 #[test]
 fn degrees_under_the_name_of_radians_are_found_when_too_fast() {
-    let rows: String = (0..100).map(|i| format!("{},0.2,0.1,9.8,0,{i},0\n", f64::from(i) / 100.0)).collect();
+    let rows = rows_of(100, |i| format!("{},0.2,0.1,9.8,0,{i},0\n", f64::from(i) / 100.0));
     let error = error_of("a.csv", &with_rows(&rows));
     assert_eq!(
         error,
@@ -184,8 +187,7 @@ fn degrees_under_the_name_of_radians_are_found_when_too_fast() {
 fn units_are_not_judged_when_told_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
-    let rows: String =
-        (0..100).map(|i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0)).collect();
+    let rows: String = rows_of(100, |i| format!("{},0.02,0.01,0.999,0,0,0\n", f64::from(i) / 100.0));
     std::fs::write(&path, with_rows(&rows)).unwrap();
     let options = ReadOptions { check_units: false, ..ReadOptions::default() };
     assert_eq!(open_with(&path, &options).unwrap().count(), 100);
