@@ -1,2 +1,31 @@
-//! adit
-fn main() {}
+//! `adit`: where is everybody underground.
+//!
+//! One binary, one verb per task ([`args`] is the contract, [`verbs`] the work). Exit code 0 done, 1 the work failed,
+//! 2 wrong usage; an error is one line on stderr that begins with `adit:`.
+
+mod args;
+mod config;
+mod failure;
+mod interrupt;
+mod journey;
+mod log_stream;
+mod map;
+mod method;
+mod output;
+mod progress;
+mod scenario_file;
+mod verbs;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = match args::Adit::from_command_line() {
+        Ok(args) => args,
+        Err(error) => return failure::usage(&error),
+    };
+    progress::trace(args.verbose);
+    match interrupt::install().and_then(|()| verbs::run(&args.verb)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::work(&error),
+    }
+}

@@ -1,0 +1,217 @@
+//! The command line: names, flags and their help. This is a contract; scripts stand on it.
+
+use crate::method::Method;
+use crate::output::Target;
+use adit_evaluation::alignment::Alignment;
+use clap::error::{Error as UsageError, ErrorKind};
+use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  adit demo                                          see it work on a simulated walk
+  adit track walk_imu.csv.gz --method foot-ins -o walk.tum
+  adit eval walk.tum --truth walk_truth.csv --plot walk.svg
+
+Exit code: 0 done, 1 the work failed, 2 wrong usage. Errors are one line on stderr, with file and line.";
+
+const DEMO_EXAMPLES: &str = "\
+Examples:
+  adit demo
+  adit demo --seed 7 --out /tmp/demo";
+
+const SIMULATE_EXAMPLES: &str = "\
+The scenario is a TOML file; scenarios/foot-walk.toml of the repository is a commented example.
+The same scenario and seed give the same bytes.
+
+Examples:
+  adit simulate scenarios/foot-walk.toml -o out/walk
+  adit simulate scenarios/foot-walk.toml -o out/walk-7 --seed 7";
+
+const TRACK_EXAMPLES: &str = "\
+Logs:
+  CSV, plain or gzip, with the unit in each column name (time_s, acc_x_m_s2 or acc_x_g, gyro_x_rad_s or gyro_x_deg_s, …),
+  or MCAP; the kind is told by content. A sidecar WALK.toml beside WALK.csv may give mounting, frame and noise.
+  Several logs are merged in order of time into one stream: consecutive parts of one recording, or one file per sensor, all
+  on one clock. Two logs whose inertial samples overlap in time are an error.
+
+Output:
+  TUM text, a line `t x y z qx qy qz qw` for every inertial sample: metres, z up, quaternion sensor to world, scalar last;
+  the walk starts at the origin. Files appear when complete, never half written.
+
+Examples:
+  adit track walk_imu.csv.gz --method foot-ins -o walk.tum
+  adit track walk.mcap --method foot-ins --smooth -o walk.tum --json report.json
+  adit track part1.csv part2.csv --method foot-ins -o - | gzip > walk.tum.gz";
+
+const EVAL_EXAMPLES: &str = "\
+The estimate is interpolated at the times of the truth, of which it must cover 95 %. Figures: absolute position error (RMSE,
+mean, median, 90 and 95 %, largest), attitude error where the truth has attitudes, relative error over 1 m and 10 m, error
+at the end, distance travelled. Exit code 1 when the estimate cannot be scored.
+
+Examples:
+  adit eval walk.tum --truth walk_truth.csv
+  adit eval walk.tum --truth truth.tum --align start --start-distance 2 --json
+  adit eval walk.tum --truth truth.tum --covariance walk.csv --plot walk.svg";
+
+/// Where is everybody underground: turns the logs of people's tags into their paths, and judges them against truth
+#[derive(Debug, Parser)]
+#[command(name = "adit", version, after_help = EXAMPLES)]
+pub struct Adit {
+    /// What to do
+    #[command(subcommand)]
+    pub verb: Verb,
+
+    /// Say more on stderr: -v what is done, -vv details
+    #[arg(short, long, global = true, action = ArgAction::Count, display_order = 900)]
+    pub verbose: u8,
+}
+
+impl Adit {
+    /// The command line of this process, checked beyond what a single flag can say of itself.
+    pub fn from_command_line() -> Result<Self, UsageError> {
+        let args = Self::try_parse()?;
+        if let Verb::Track(TrackArgs { out: Target::Stdout, json: Some(Target::Stdout), .. }) = args.verb {
+            let what = "-o and --json cannot both go to stdout";
+            return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
+        }
+        Ok(args)
+    }
+}
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Simulate a walk through a mine, track it and judge the result
+    Demo(DemoArgs),
+    /// Make a log and its truth from a scenario
+    Simulate(SimulateArgs),
+    /// Turn the log of a tag into the path of its wearer
+    Track(TrackArgs),
+    /// Judge an estimated path against the truth
+    Eval(EvalArgs),
+}
+
+/// `adit demo`.
+#[derive(Debug, Args)]
+#[command(after_help = DEMO_EXAMPLES)]
+pub struct DemoArgs {
+    /// Folder for the log, the truth, the estimate and the figures
+    #[arg(long, value_name = "DIR", default_value = "out/demo", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+
+    /// Seed of every random draw; 1 when not given here
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+/// `adit simulate`.
+#[derive(Debug, Args)]
+#[command(after_help = SIMULATE_EXAMPLES)]
+pub struct SimulateArgs {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml", value_hint = ValueHint::FilePath)]
+    pub scenario: PathBuf,
+
+    /// Folder for log.mcap and truth.tum; made when it is not there
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+
+    /// Seed of every random draw, instead of the scenario's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+/// `adit track`.
+#[derive(Debug, Args)]
+#[command(after_help = TRACK_EXAMPLES)]
+pub struct TrackArgs {
+    /// Log of the tag; several are merged in order of time
+    #[arg(value_name = "LOG", required = true, value_hint = ValueHint::FilePath)]
+    pub logs: Vec<PathBuf>,
+
+    /// How to position
+    #[arg(long, value_enum)]
+    pub method: Method,
+
+    /// Trajectory to write, TUM text; `-` is stdout, `.gz` compresses
+    #[arg(short, long, value_name = "EST.tum", value_hint = ValueHint::FilePath)]
+    pub out: Target,
+
+    /// Parameters of the method, TOML; what it leaves out keeps its default
+    #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
+    pub config: Option<PathBuf>,
+
+    /// Smooth over the whole log, forwards and backwards; holds it in memory
+    #[arg(long)]
+    pub smooth: bool,
+
+    /// Smooth over this many seconds (0.1 to 60) behind the newest sample, still streaming
+    #[arg(long, value_name = "SECONDS", conflicts_with = "smooth", value_parser = lag, allow_negative_numbers = true)]
+    pub lag: Option<f64>,
+
+    /// Report to write, JSON; `-` is stdout
+    #[arg(long, value_name = "REPORT.json", value_hint = ValueHint::FilePath)]
+    pub json: Option<Target>,
+
+    /// Solutions to write with velocity and covariance, CSV (what eval --covariance reads)
+    #[arg(long, value_name = "OUT.csv", value_hint = ValueHint::FilePath)]
+    pub covariance: Option<PathBuf>,
+}
+
+/// `adit eval`.
+#[derive(Debug, Args)]
+#[command(after_help = EVAL_EXAMPLES)]
+pub struct EvalArgs {
+    /// Estimated trajectory, TUM text
+    #[arg(value_name = "EST.tum", value_hint = ValueHint::FilePath)]
+    pub estimate: PathBuf,
+
+    /// True trajectory: TUM text, or CSV with `time_s,x_m,y_m,z_m[,qw,qx,qy,qz]`
+    #[arg(long, value_name = "TRUTH", value_hint = ValueHint::FilePath)]
+    pub truth: PathBuf,
+
+    /// What to forgive before errors are taken: none; start = position and heading at the start; se2 = position and heading
+    /// over the run; se3 = position and all three angles
+    #[arg(long, value_name = "none|start|se2|se3", default_value_t = Alignment::Se2)]
+    pub align: Alignment,
+
+    /// For --align start: the heading is that of the first true pose this far away, metres
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub start_distance: f64,
+
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    pub json: bool,
+
+    /// Figure to write, SVG: path over truth, errors over time and their distribution on one page
+    #[arg(long, value_name = "OUT.svg", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+
+    /// Solutions with covariance of the same estimate, CSV (track --covariance): are the stated errors honest (NEES)?
+    #[arg(long, value_name = "EST.csv", value_hint = ValueHint::FilePath)]
+    pub covariance: Option<PathBuf>,
+}
+
+fn lag(text: &str) -> Result<f64, String> {
+    number(text, |v| (0.1..=60.0).contains(&v), "seconds from 0.1 to 60")
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, |v| v >= 0.0, "a number not below 0")
+}
+
+fn number(text: &str, good: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|v| v.is_finite() && good(*v));
+    value.ok_or_else(|| format!("expected {expected}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_does_not_contradict_itself() {
+        Adit::command().debug_assert();
+    }
+}

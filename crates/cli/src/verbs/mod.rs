@@ -1,0 +1,19 @@
+//! One file per verb.
+
+mod demo;
+mod eval;
+mod simulate;
+mod track;
+
+use crate::args::Verb;
+use anyhow::Result;
+
+/// Does what was asked for.
+pub fn run(verb: &Verb) -> Result<()> {
+    match verb {
+        Verb::Demo(args) => demo::run(args),
+        Verb::Simulate(args) => simulate::run(args),
+        Verb::Track(args) => track::run(args),
+        Verb::Eval(args) => eval::run(args),
+    }
+}

@@ -1,0 +1,259 @@
+//! `adit track`: a log in, a path out.
+
+use crate::args::TrackArgs;
+use crate::interrupt;
+use crate::journey::Journey;
+use crate::log_stream::LogStream;
+use crate::method::{Method, MethodReport, Settings};
+use crate::output::{self, Staged, Target};
+use crate::progress::{self, Progress, Unit};
+use adit_core::solution::Solution;
+use adit_core::trajectory::Pose;
+use adit_observation::Observation;
+use adit_observation::solution_csv::SolutionWriter;
+use adit_observation::tum::TumWriter;
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Observations between two looks at the clock, the bar and Ctrl-C.
+const PULSE: u64 = 4096;
+
+/// Tracks and writes everything asked for.
+pub fn run(args: &TrackArgs) -> Result<()> {
+    let report = track(args)?;
+    progress::warn(&report.warnings);
+    if let Some(target) = &args.json {
+        target.write(&(serde_json::to_string_pretty(&report)? + "\n"))?;
+    }
+    let stdout_is_taken = args.out == Target::Stdout || args.json == Some(Target::Stdout);
+    if stdout_is_taken {
+        eprint!("{}", report.summary());
+        Ok(())
+    } else {
+        output::print(&report.summary())
+    }
+}
+
+/// What `--json` writes.
+#[derive(Debug, Serialize)]
+pub struct TrackReport {
+    method: &'static str,
+    logs: Vec<PathBuf>,
+    smoothed: bool,
+    lag_s: Option<f64>,
+    inertial_samples: u64,
+    poses: u64,
+    start_s: f64,
+    duration_s: f64,
+    distance_m: f64,
+    end_from_start_2d_m: f64,
+    end_from_start_up_m: f64,
+    end_radius_95_m: Option<f64>,
+    share_at_rest: Option<f64>,
+    elapsed_s: f64,
+    times_real_time: f64,
+    warnings: Vec<String>,
+    method_report: serde_json::Value,
+}
+
+/// Tracks logs into files; the files appear only when all went well.
+pub fn track(args: &TrackArgs) -> Result<TrackReport> {
+    let clock = Instant::now();
+    let mut stream = LogStream::open(&args.logs)?;
+    let settings = args.method.settings(stream.sidecar(), args.config.as_deref())?;
+    tracing::debug!("settings: {settings:?}");
+    let mut outputs = Outputs::create(args)?;
+    let run = if args.smooth {
+        smooth(&mut stream, &settings, &mut outputs)?
+    } else {
+        filter(&mut stream, &settings, args.lag, &mut outputs)?
+    };
+    if outputs.journey.poses() == 0 {
+        bail!("{}: no inertial samples, expected some: {} needs them", stream.name(), args.method.name());
+    }
+    let journey = outputs.finish()?;
+    let mut warnings = stream.warnings();
+    warnings.extend(stream.sidecar().and_then(|sidecar| args.method.objection(sidecar)));
+    warnings.extend(run.report.warnings.iter().cloned());
+    Ok(report(args, &run, &journey, warnings, clock.elapsed().as_secs_f64()))
+}
+
+/// What a pass over the log leaves behind.
+struct Run {
+    inertial_samples: u64,
+    report: MethodReport,
+}
+
+/// One observation at a time, in bounded memory.
+fn filter(
+    stream: &mut LogStream,
+    settings: &Settings,
+    lag_s: Option<f64>,
+    outputs: &mut Outputs,
+) -> Result<Run> {
+    let progress = Progress::new("tracking", Unit::Bytes, stream.bytes_total());
+    let mut tracker = settings.start(lag_s)?;
+    let (mut inertial_samples, mut count) = (0, 0_u64);
+    while let Some(observation) = stream.next()? {
+        inertial_samples += u64::from(matches!(observation, Observation::Imu(_)));
+        let solution = tracker.observe(&observation);
+        let solution = solution.with_context(|| format!("{}: at {} s", stream.name(), observation.time()))?;
+        if let Some(solution) = solution {
+            outputs.push(&solution)?;
+        }
+        count += 1;
+        if count.is_multiple_of(PULSE) {
+            interrupt::check()?;
+            progress.at(stream.bytes_read());
+        }
+    }
+    while let Some(solution) = tracker.finish_next().with_context(|| stream.name())? {
+        outputs.push(&solution)?;
+    }
+    Ok(Run { inertial_samples, report: tracker.report()? })
+}
+
+/// The whole log at once.
+fn smooth(stream: &mut LogStream, settings: &Settings, outputs: &mut Outputs) -> Result<Run> {
+    let mut log = Vec::new();
+    {
+        let progress = Progress::new("reading", Unit::Bytes, stream.bytes_total());
+        while let Some(observation) = stream.next()? {
+            log.push(observation);
+            if (log.len() as u64).is_multiple_of(PULSE) {
+                interrupt::check()?;
+                progress.at(stream.bytes_read());
+            }
+        }
+    }
+    let progress = Progress::new("smoothing", Unit::Samples, Some(2 * log.len() as u64));
+    let solutions = settings.smooth(&log, &mut |done| progress.at(done as u64));
+    let (solutions, report) = solutions.with_context(|| stream.name())?;
+    interrupt::check()?;
+    for solution in &solutions {
+        outputs.push(solution)?;
+    }
+    let inertial_samples = log.iter().filter(|o| matches!(o, Observation::Imu(_))).count() as u64;
+    Ok(Run { inertial_samples, report })
+}
+
+/// The files being written, and the sums over what was written.
+struct Outputs {
+    staged: Staged,
+    trajectory: TumWriter,
+    covariance: Option<SolutionWriter>,
+    journey: Journey,
+}
+
+impl Outputs {
+    fn create(args: &TrackArgs) -> Result<Self> {
+        let staged = Staged::new(&args.out)?;
+        Ok(Self {
+            trajectory: TumWriter::create(staged.path())?,
+            staged,
+            covariance: args.covariance.as_ref().map(SolutionWriter::create).transpose()?,
+            journey: Journey::default(),
+        })
+    }
+
+    fn push(&mut self, solution: &Solution) -> Result<()> {
+        let Solution { time, position_m, attitude, .. } = *solution;
+        self.trajectory.push(&Pose { time, position_m, attitude })?;
+        if let Some(file) = &mut self.covariance {
+            file.push(solution)?;
+        }
+        self.journey.push(solution);
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Journey> {
+        self.trajectory.finish()?;
+        if let Some(file) = self.covariance {
+            file.finish()?;
+        }
+        self.staged.deliver()?;
+        Ok(self.journey)
+    }
+}
+
+fn report(
+    args: &TrackArgs,
+    run: &Run,
+    journey: &Journey,
+    warnings: Vec<String>,
+    elapsed_s: f64,
+) -> TrackReport {
+    let back_m = journey.end_from_start_m();
+    TrackReport {
+        method: args.method.name(),
+        logs: args.logs.clone(),
+        smoothed: args.smooth,
+        lag_s: args.lag,
+        inertial_samples: run.inertial_samples,
+        poses: journey.poses(),
+        start_s: journey.times().map_or(0.0, |(first, _)| first.seconds()),
+        duration_s: journey.duration_s(),
+        distance_m: journey.distance_m(),
+        end_from_start_2d_m: back_m.xy().norm(),
+        end_from_start_up_m: back_m.z,
+        end_radius_95_m: journey.radius_95_m(),
+        share_at_rest: run.report.share_at_rest,
+        elapsed_s,
+        times_real_time: journey.duration_s() / elapsed_s.max(f64::MIN_POSITIVE),
+        warnings,
+        method_report: run.report.details.clone(),
+    }
+}
+
+impl TrackReport {
+    /// The report for eyes.
+    pub fn summary(&self) -> String {
+        let line = |name: &str, value: String| format!("{name:<12}{value}\n");
+        let smoothed = match (self.smoothed, self.lag_s) {
+            (true, _) => ", smoothed over the whole log".to_owned(),
+            (false, Some(lag)) => format!(", smoothed over {lag} s"),
+            (false, None) => String::new(),
+        };
+        let mut text = line("method", format!("{}{smoothed}", self.method));
+        text += &line(
+            "duration",
+            format!("{:.1} s, {} inertial samples", self.duration_s, self.inertial_samples),
+        );
+        text += &line("distance", format!("{:.2} m", self.distance_m));
+        let (level_m, up_m) = (self.end_from_start_2d_m, self.end_from_start_up_m);
+        text += &line("end", format!("{level_m:.2} m from the start, {up_m:+.2} m up"));
+        if let Some(radius_m) = self.end_radius_95_m {
+            text += &line("certainty", format!("the end is within {radius_m:.2} m (95 %)"));
+        }
+        if let Some(share) = self.share_at_rest {
+            text += &line("at rest", format!("{:.0} % of the time", 100.0 * share));
+        }
+        text + &line("speed", format!("{:.0} × real time ({:.2} s)", self.times_real_time, self.elapsed_s))
+    }
+
+    /// Everything odd about the log and the run.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Seconds of log per second of work.
+    pub fn times_real_time(&self) -> f64 {
+        self.times_real_time
+    }
+
+    /// Settings of a plain run of a method, for verbs that track on the way.
+    pub fn arguments(log: PathBuf, method: Method, out: PathBuf, covariance: PathBuf) -> TrackArgs {
+        TrackArgs {
+            logs: vec![log],
+            method,
+            out: Target::File(out),
+            config: None,
+            smooth: false,
+            lag: None,
+            json: None,
+            covariance: Some(covariance),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Wrong usage is told in one line with exit code 2; help tells what there is.
+
+mod common;
+
+use common::{Outcome, adit};
+use std::path::Path;
+
+fn run(args: &[&str]) -> Outcome {
+    adit(Path::new("."), args)
+}
+
+#[test]
+fn wrong_usage_is_one_line_and_exit_code_2() {
+    let cases: [(&[&str], &str); 8] = [
+        (&["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"], "[possible values: foot-ins]"),
+        (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
+        (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
+        (
+            &["track", "a", "--method", "foot-ins", "-o", "b", "--lag", "-3"],
+            "expected seconds from 0.1 to 60",
+        ),
+        (&["track", "a", "--method", "foot-ins", "-o", "b", "--lag", "3", "--smooth"], "cannot be used with"),
+        (&["track", "a", "--method", "foot-ins", "-o", "-", "--json", "-"], "cannot both go to stdout"),
+        (&["eval", "a", "--truth", "b", "--align", "sim3"], "expected none, start, se2 or se3"),
+        (&["dig"], "unrecognized subcommand 'dig'"),
+    ];
+    for (args, expected) in cases {
+        let Outcome { code, stdout, stderr } = run(args);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{args:?}");
+        assert!(stderr.starts_with("adit: ") && stderr.contains(expected), "{args:?}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{args:?}: {stderr}");
+    }
+}
+
+#[test]
+fn no_verb_shows_the_verbs() {
+    let Outcome { code, stderr, .. } = run(&[]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("Commands:") && stderr.contains("Examples:"), "{stderr}");
+}
+
+#[test]
+fn version_and_help_go_to_stdout() {
+    let version = run(&["--version"]);
+    assert_eq!((version.code, version.stdout.trim()), (0, concat!("adit ", env!("CARGO_PKG_VERSION"))));
+    let help = run(&["--help"]);
+    assert_eq!((help.code, help.stderr.as_str()), (0, ""));
+}
+
+#[test]
+fn help_reads_as_it_should() {
+    for verb in ["demo", "simulate", "track", "eval"] {
+        insta::assert_snapshot!(format!("help_{verb}"), run(&[verb, "--help"]).stdout);
+    }
+    insta::assert_snapshot!("help", run(&["--help"]).stdout);
+}
