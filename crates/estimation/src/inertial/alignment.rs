@@ -14,6 +14,11 @@ use serde::{Deserialize, Serialize};
 /// A foot that bears weight sways by less than 0.5 m/s² and 0.3 rad/s; a step reaches 20 times that.
 const REST_FORCE_M_S2: f64 = 1.0;
 const REST_RATE_RAD_S: f64 = 0.5;
+/// Spread of the rate, rad/s, below which a body is so quiet that the mean rate is the bias of the gyro: a standing
+/// person sways by more, a tag that lies or a foot that is planted firmly by less.
+const QUIET_RATE_RAD_S: f64 = 0.007;
+/// Largest mean rate that can be a bias (3 °/s), rad/s.
+const LARGEST_BIAS_RAD_S: f64 = 0.052;
 
 /// Running means of the samples at the start of a log.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -21,6 +26,7 @@ pub struct RestAlignment {
     samples: u32,
     force_sum: Vector3<f64>,
     force_squared_sum: f64,
+    rate_sum: Vector3<f64>,
     rate_squared_sum: f64,
     fields: u32,
     field_sum: Vector3<f64>,
@@ -35,6 +41,8 @@ pub struct Aligned {
     pub tilt_sigma_rad: f64,
     /// Length of the mean specific force, m/s².
     pub force_m_s2: f64,
+    /// Mean rate of a quiet rest, which is the gyro's bias, rad/s; zero when the rest was not quiet.
+    pub gyro_bias_rad_s: Vector3<f64>,
     /// True when the body was at rest.
     pub at_rest: bool,
     /// True when the heading came from the magnetometer.
@@ -47,6 +55,7 @@ impl RestAlignment {
         self.samples += 1;
         self.force_sum += imu.specific_force_m_s2;
         self.force_squared_sum += imu.specific_force_m_s2.norm_squared();
+        self.rate_sum += imu.angular_rate_rad_s;
         self.rate_squared_sum += imu.angular_rate_rad_s.norm_squared();
     }
 
@@ -65,6 +74,9 @@ impl RestAlignment {
         let variance = (self.force_squared_sum / count - force.norm_squared()).max(0.0);
         let deviation = libm::sqrt(variance);
         let rate = libm::sqrt(self.rate_squared_sum / count);
+        let mean_rate = self.rate_sum / count;
+        let rate_spread = libm::sqrt((self.rate_squared_sum / count - mean_rate.norm_squared()).max(0.0));
+        let quiet = rate_spread < QUIET_RATE_RAD_S && mean_rate.amax() < LARGEST_BIAS_RAD_S;
 
         let facing_north = attitude::level(&force, 0.0)?;
         let field = facing_north * self.field_sum;
@@ -74,6 +86,7 @@ impl RestAlignment {
             attitude: attitude::level(&force, heading)?,
             tilt_sigma_rad: deviation / gravity_m_s2,
             force_m_s2: libm::sqrt(force.norm_squared()),
+            gyro_bias_rad_s: if quiet { mean_rate } else { Vector3::zeros() },
             at_rest: deviation < REST_FORCE_M_S2 && rate < REST_RATE_RAD_S,
             magnetic,
         })

@@ -4,12 +4,12 @@
 //!
 //! | block | meaning | frame | unit |
 //! |---|---|---|---|
-//! | [`ATTITUDE`] | rotation vector φ | n | rad |
-//! | [`VELOCITY`] | δv | n | m/s |
-//! | [`POSITION`] | δp | n | m |
-//! | [`GYRO_BIAS`] | δb_g | b | rad/s |
-//! | [`ACC_BIAS`] | δb_a | b | m/s² |
-//! | [`CONTACT`] | δr, lever from the point of contact to the sensor | b | m |
+//! | [`ATTITUDE`] | rotation vector `φ` | n | rad |
+//! | [`VELOCITY`] | `δv` | n | m/s |
+//! | [`POSITION`] | `δp` | n | m |
+//! | [`GYRO_BIAS`] | `δb_g` | b | rad/s |
+//! | [`ACC_BIAS`] | `δb_a` | b | m/s² |
+//! | [`CONTACT`] | `δr`, lever from the point of contact to the sensor | b | m |
 //!
 //! Transition over an interval `dt` (Groves 2013, eq. 14.63 in local level axes; Solà 2017, eq. 269):
 //!
@@ -51,6 +51,28 @@ const UPPER: usize = BLOCKS * (BLOCKS + 1) / 2;
 /// Place of block (row, column) with `row <= column`.
 const fn at(row: usize, column: usize) -> usize {
     row * (2 * BLOCKS - 1 - row) / 2 + column
+}
+
+/// How the errors drive each other over one interval: the blocks of `Φ` off its diagonal of ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Transition {
+    /// Attitude by gyro bias, and velocity by accelerometer bias: `−C dt`.
+    pub bias_gain: Matrix3<f64>,
+    /// Velocity by attitude: `−[Δv_n]×`.
+    pub tilt_gain: Matrix3<f64>,
+    /// Position by velocity, s.
+    pub interval_s: f64,
+}
+
+impl Transition {
+    #[inline]
+    pub(super) fn of(step: &Step) -> Self {
+        Self {
+            bias_gain: step.rotation * -step.interval_s,
+            tilt_gain: skew(&-step.velocity_gained),
+            interval_s: step.interval_s,
+        }
+    }
 }
 
 /// Process noise added over one interval, as variances (already multiplied by the interval).
@@ -107,11 +129,8 @@ impl Covariance {
         const G: usize = GYRO_BIAS;
         const A: usize = ACC_BIAS;
         const C: usize = CONTACT;
-        let dt = step.interval_s;
-        let bias_gain = step.rotation * -dt;
-        let bias_gain_t = bias_gain.transpose();
-        let tilt_gain = skew(&-step.velocity_gained);
-        let tilt_gain_t = -tilt_gain;
+        let Transition { bias_gain, tilt_gain, interval_s: dt } = Transition::of(step);
+        let (bias_gain_t, tilt_gain_t) = (bias_gain.transpose(), tilt_gain.transpose());
         let u = &mut self.upper;
 
         // Rows of position first, then velocity, then attitude: each uses the old values of those after it.

@@ -13,16 +13,15 @@
 //! far as the corrections are small; the filter's own linearisation is of the same order.
 
 use crate::inertial::covariance::{
-    ACC_BIAS, ATTITUDE, BLOCKS, Covariance, ErrorVector, GYRO_BIAS, POSITION, STATES, VELOCITY,
+    ACC_BIAS, ATTITUDE, BLOCKS, Covariance, ErrorVector, GYRO_BIAS, POSITION, Transition, VELOCITY,
 };
 use crate::inertial::filter::{FilterState, Update};
 use crate::inertial::strapdown::Step;
-use adit_core::attitude::skew;
-use adit_core::nalgebra::{Matrix3, SMatrix, Vector3};
-use adit_core::solution::{Quality, Solution, SolutionCovariance};
+use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
 
-type Dense = SMatrix<f64, STATES, STATES>;
+type Blocks = [[Matrix3<f64>; BLOCKS]; BLOCKS];
 
 /// What the filter did with one sample: the prediction, then the updates in their order.
 #[derive(Debug, Clone)]
@@ -60,13 +59,14 @@ pub struct Corrections {
 #[derive(Debug, Clone)]
 pub struct Adjoint {
     vector: ErrorVector,
-    matrix: Dense,
+    /// Symmetric, in 3×3 blocks, both halves kept.
+    matrix: Blocks,
 }
 
 impl Default for Adjoint {
     /// At the end of the log nothing is known from later.
     fn default() -> Self {
-        Self { vector: [Vector3::zeros(); BLOCKS], matrix: Dense::zeros() }
+        Self { vector: [Vector3::zeros(); BLOCKS], matrix: [[Matrix3::zeros(); BLOCKS]; BLOCKS] }
     }
 }
 
@@ -110,59 +110,84 @@ impl Adjoint {
             self.vector[*block] -= jacobian.transpose() * pulled;
         }
 
-        let mut jacobian = SMatrix::<f64, 3, STATES>::zeros();
-        for (block, h) in &update.jacobian {
-            jacobian.fixed_view_mut::<3, 3>(0, 3 * block).copy_from(h);
-        }
-        let mut gain = SMatrix::<f64, STATES, 3>::zeros();
-        for (block, k) in update.gain.iter().enumerate() {
-            gain.fixed_view_mut::<3, 3>(3 * block, 0).copy_from(k);
-        }
-        // (I−KH)ᵀ Λ (I−KH) + Hᵀ S⁻¹ H, with rank-3 products only.
-        let seen = self.matrix * gain;
-        let cross = seen * jacobian;
-        let core = gain.transpose() * seen + update.inverse;
-        self.matrix += jacobian.transpose() * core * jacobian - cross - cross.transpose();
-    }
-
-    fn smoothed(&self, record: &Record) -> Solution {
-        let mut correction: ErrorVector = [Vector3::zeros(); BLOCKS];
-        for (row, out) in correction.iter_mut().enumerate() {
-            for (column, adjoint) in self.vector.iter().enumerate() {
-                *out -= record.covariance.block(row, column) * adjoint;
+        // (I−KH)ᵀ Λ (I−KH) + Hᵀ S⁻¹ H: only the rows and columns of the measured blocks change.
+        let seen: [Matrix3<f64>; BLOCKS] =
+            core::array::from_fn(|row| sum(|k| self.matrix[row][k] * update.gain[k]));
+        let inner = sum(|k| update.gain[k].transpose() * seen[k]) + update.inverse;
+        for (block, jacobian) in &update.jacobian {
+            for (row, seen) in seen.iter().enumerate() {
+                let cross = seen * jacobian;
+                self.matrix[row][*block] -= cross;
+                self.matrix[*block][row] -= cross.transpose();
             }
         }
+        for (row, left) in &update.jacobian {
+            for (column, right) in &update.jacobian {
+                self.matrix[*row][*column] += left.transpose() * inner * right;
+            }
+        }
+    }
+
+    /// `x̂ − P λ` and `P − P Λ P`, the latter for what a solution reports.
+    fn smoothed(&self, record: &Record) -> Solution {
+        const REPORTED: [usize; 3] = [POSITION, VELOCITY, ATTITUDE];
+        let p = |row, column| record.covariance.block(row, column);
+        let correction: ErrorVector = core::array::from_fn(|row| {
+            self.vector
+                .iter()
+                .enumerate()
+                .fold(Vector3::zeros(), |sum, (k, adjoint)| sum - p(row, k) * adjoint)
+        });
         let mut state = record.state;
         state.correct(&correction);
         let mut solution = state.solution(record.time, &record.covariance, record.quality);
-
-        let covariance = record.covariance.to_matrix();
-        let mut rows = SMatrix::<f64, 9, STATES>::zeros();
-        for (i, block) in [POSITION, VELOCITY, ATTITUDE].into_iter().enumerate() {
-            rows.fixed_rows_mut::<3>(3 * i).copy_from(&covariance.fixed_rows::<3>(3 * block));
+        for (i, row) in REPORTED.into_iter().enumerate() {
+            let gain: [Matrix3<f64>; BLOCKS] =
+                core::array::from_fn(|column| sum(|k| p(row, k) * self.matrix[k][column]));
+            for (j, column) in REPORTED.into_iter().enumerate().skip(i) {
+                let gained = sum(|k| gain[k] * p(k, column));
+                let gained = if i == j { (gained + gained.transpose()) * 0.5 } else { gained };
+                let mut reported = solution.covariance.fixed_view_mut::<3, 3>(3 * i, 3 * j);
+                reported -= gained;
+                if i != j {
+                    let mut mirrored = solution.covariance.fixed_view_mut::<3, 3>(3 * j, 3 * i);
+                    mirrored -= gained.transpose();
+                }
+            }
         }
-        let gained: SolutionCovariance = rows * self.matrix * rows.transpose();
-        solution.covariance -= (gained + gained.transpose()) * 0.5;
         solution
     }
 
-    /// `Φᵀ`: every block receives from those it drives.
+    /// `Φᵀ λ` and `Φᵀ Λ Φ`: every block receives from those it drives.
     fn through_prediction(&mut self, step: &Step) {
-        let dt = step.interval_s;
-        let bias_gain: Matrix3<f64> = step.rotation * -dt;
-        let tilt_gain = skew(&-step.velocity_gained);
+        let Transition { bias_gain, tilt_gain, interval_s } = Transition::of(step);
+        let (bias_gain_t, tilt_gain_t) = (bias_gain.transpose(), tilt_gain.transpose());
 
         let [attitude, velocity, position, ..] = self.vector;
-        self.vector[ATTITUDE] += tilt_gain.transpose() * velocity;
-        self.vector[VELOCITY] += position * dt;
-        self.vector[GYRO_BIAS] += bias_gain.transpose() * attitude;
-        self.vector[ACC_BIAS] += bias_gain.transpose() * velocity;
+        self.vector[ATTITUDE] += tilt_gain_t * velocity;
+        self.vector[VELOCITY] += position * interval_s;
+        self.vector[GYRO_BIAS] += bias_gain_t * attitude;
+        self.vector[ACC_BIAS] += bias_gain_t * velocity;
 
-        let mut transition = Dense::identity();
-        transition.fixed_view_mut::<3, 3>(3 * ATTITUDE, 3 * GYRO_BIAS).copy_from(&bias_gain);
-        transition.fixed_view_mut::<3, 3>(3 * VELOCITY, 3 * ATTITUDE).copy_from(&tilt_gain);
-        transition.fixed_view_mut::<3, 3>(3 * VELOCITY, 3 * ACC_BIAS).copy_from(&bias_gain);
-        transition.fixed_view_mut::<3, 3>(3 * POSITION, 3 * VELOCITY).copy_from(&(Matrix3::identity() * dt));
-        self.matrix = transition.transpose() * self.matrix * transition;
+        for row in &mut self.matrix {
+            let [attitude, velocity, position, ..] = *row;
+            row[ATTITUDE] += velocity * tilt_gain;
+            row[VELOCITY] += position * interval_s;
+            row[GYRO_BIAS] += attitude * bias_gain;
+            row[ACC_BIAS] += velocity * bias_gain;
+        }
+        let [attitude, velocity, position, ..] = self.matrix;
+        for column in 0..BLOCKS {
+            self.matrix[ATTITUDE][column] += tilt_gain_t * velocity[column];
+            self.matrix[VELOCITY][column] += position[column] * interval_s;
+            self.matrix[GYRO_BIAS][column] += bias_gain_t * attitude[column];
+            self.matrix[ACC_BIAS][column] += bias_gain_t * velocity[column];
+        }
     }
+}
+
+/// Sum of a product of blocks over all blocks.
+#[inline]
+fn sum(term: impl Fn(usize) -> Matrix3<f64>) -> Matrix3<f64> {
+    (1..BLOCKS).fold(term(0), |sum, k| sum + term(k))
 }

@@ -50,7 +50,7 @@ impl StraightLegs {
         let deviation = self.deviation(direction);
         self.directions_rad[self.strides % LEG] = direction;
         self.strides += 1;
-        let Some(deviation) = deviation else { return None };
+        let deviation = deviation?;
         if deviation.abs() > TURN_RAD {
             self.strides = 0;
             return None;

@@ -18,7 +18,7 @@
 //! to its own least motion once a stride. So the threshold is tied to the least `T` within `reach` before and after:
 //!
 //! ```text
-//! threshold = gain · floor · (T_least / floor)^exponent,   kept within [floor, ceiling]
+//! threshold = gain · T_least,   kept within [floor, ceiling]
 //! ```
 //!
 //! `reach` is a little longer than half of the longest ordinary stride, so that every window holds a stance; below
@@ -56,18 +56,16 @@ pub struct StanceParams {
     pub detector: Detector,
     /// Length of the window, s.
     pub window_s: f64,
-    /// Scale of the specific force σ_a, m/s².
+    /// Scale of the specific force `σ_a`, m/s².
     pub acc_scale_m_s2: f64,
-    /// Scale of the angular rate σ_ω, rad/s.
+    /// Scale of the angular rate `σ_ω`, rad/s.
     pub gyro_scale_rad_s: f64,
     /// Threshold of the fixed detectors.
     pub threshold: f64,
     /// Adaptive: how far before and after a sample its least statistic is looked for, s.
     pub reach_s: f64,
-    /// Adaptive: threshold over least statistic where that equals `floor`.
+    /// Adaptive: threshold over least statistic.
     pub gain: f64,
-    /// Adaptive: exponent of the least statistic (1 = proportional).
-    pub exponent: f64,
     /// Adaptive: least threshold.
     pub floor: f64,
     /// Adaptive: greatest threshold.
@@ -84,7 +82,6 @@ impl Default for StanceParams {
             threshold: 20.0,
             reach_s: 0.7,
             gain: 7.0,
-            exponent: 0.95,
             floor: 0.6,
             ceiling: 3e4,
         }
@@ -146,6 +143,18 @@ impl StanceDetector {
             entered: 0,
             minima: VecDeque::new(),
         }
+    }
+
+    /// Sets the length of the specific force at rest as this sensor reads it, and judges all waiting samples anew.
+    ///
+    /// An accelerometer that is off by 50 mg would otherwise never look at rest.
+    pub fn set_rest_force(&mut self, force_m_s2: f64) {
+        self.gravity_m_s2 = force_m_s2;
+        let latest = self.samples.back().map(|(sample, _)| sample.time);
+        self.judged = self.departed;
+        self.entered = self.departed;
+        self.minima.clear();
+        self.judge(latest);
     }
 
     /// Takes one sample; times must rise.
@@ -272,10 +281,8 @@ impl StanceDetector {
 
     fn adaptive_threshold(&self, least: f64) -> f64 {
         let p = &self.params;
-        let relative = least.max(f64::MIN_POSITIVE) / p.floor;
-        let threshold = p.gain * p.floor * libm::pow(relative, p.exponent);
-        // `max` before `min`: a ceiling below the floor must not panic.
-        threshold.max(p.floor).min(p.ceiling)
+        // Not `clamp`: a ceiling below the floor must not panic.
+        (p.gain * least).max(p.floor).min(p.ceiling)
     }
 
     /// Drops departed samples that no window needs any more.

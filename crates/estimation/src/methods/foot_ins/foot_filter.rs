@@ -1,6 +1,7 @@
 //! The filter of `foot-ins`: what one sample with its stance does to the estimate.
 
 use super::params::{FootInsParams, HeadingAid};
+use crate::inertial::alignment::Aligned;
 use crate::inertial::covariance::{ATTITUDE, Covariance, POSITION, VELOCITY};
 use crate::inertial::filter::{FilterState, InertialFilter};
 use crate::inertial::smoother::Corrections;
@@ -8,7 +9,6 @@ use crate::inertial::strapdown::{NavigationState, Step};
 use crate::pedestrian::heading::StraightLegs;
 use crate::pedestrian::stance::Stance;
 use crate::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
-use adit_core::attitude::Attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
@@ -38,7 +38,7 @@ pub struct FootFilter {
 }
 
 impl FootFilter {
-    pub(super) fn new(params: &FootInsParams, time: Time, attitude: Attitude, tilt_sigma_rad: f64) -> Self {
+    pub(super) fn new(params: &FootInsParams, time: Time, aligned: &Aligned, tilt_sigma_rad: f64) -> Self {
         let sigma = &params.initial;
         let all = |sigma: f64| Vector3::repeat(sigma * sigma);
         let tilt = tilt_sigma_rad * tilt_sigma_rad;
@@ -51,10 +51,10 @@ impl FootFilter {
             all(sigma.contact_m),
         ]);
         let navigation = NavigationState {
-            attitude,
+            attitude: aligned.attitude,
             velocity_m_s: Vector3::zeros(),
             position_m: Vector3::zeros(),
-            gyro_bias_rad_s: Vector3::zeros(),
+            gyro_bias_rad_s: aligned.gyro_bias_rad_s,
             acc_bias_m_s2: Vector3::zeros(),
         };
         let state = FilterState { navigation, contact_m: Vector3::zeros() };

@@ -196,13 +196,15 @@ impl FootIns {
             return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
         }
         let mut tilt_sigma_rad = self.params.initial.tilt_rad;
-        if !aligned.at_rest {
+        if aligned.at_rest {
+            self.detector.set_rest_force(aligned.force_m_s2);
+        } else {
             tilt_sigma_rad += aligned.tilt_sigma_rad;
             self.report.warn(FootInsWarning::NoRestAtStart { tilt_sigma_rad });
         }
         self.report.initial_tilt_sigma_rad = tilt_sigma_rad;
         self.report.magnetic_heading = aligned.magnetic;
-        self.filter = Some(FootFilter::new(&self.params, first, aligned.attitude, tilt_sigma_rad));
+        self.filter = Some(FootFilter::new(&self.params, first, &aligned, tilt_sigma_rad));
         Ok(())
     }
 

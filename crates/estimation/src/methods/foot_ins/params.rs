@@ -141,7 +141,6 @@ impl FootInsParams {
             ("stance.threshold", positive(s.threshold)),
             ("stance.reach_s", not_negative(s.reach_s)),
             ("stance.gain", positive(s.gain)),
-            ("stance.exponent", not_negative(s.exponent)),
             ("stance.floor", positive(s.floor)),
             ("stance.ceiling", positive(s.ceiling)),
             ("noise.angle_random_walk_rad_sqrt_s", not_negative(n.angle_random_walk_rad_sqrt_s)),
