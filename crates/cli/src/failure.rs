@@ -1,7 +1,8 @@
 //! How a run ends badly: one line on stderr and an exit code.
 
+use crate::output::tell;
 use clap::error::{Error as UsageError, ErrorKind};
-use std::io::{self, Write};
+use std::io;
 use std::process::ExitCode;
 
 /// The work failed.
@@ -55,7 +56,7 @@ pub fn usage(error: &UsageError) -> ExitCode {
 }
 
 fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "adit: {line}");
+    tell(&format!("adit: {line}\n"));
 }
 
 /// Lines and runs of blanks made one.

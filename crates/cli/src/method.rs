@@ -2,7 +2,9 @@
 
 use crate::config;
 use adit_core::solution::Solution;
-use adit_estimation::methods::foot_ins::{self, FixedLag, FootIns, FootInsParams, FootInsReport};
+use adit_estimation::methods::foot_ins::{
+    self, FixedLag, FootIns, FootInsParams, FootInsReport, FootInsWarning,
+};
 use adit_observation::Observation;
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
@@ -146,7 +148,19 @@ fn foot_ins_report(report: &FootInsReport) -> Result<MethodReport> {
     details["mean_nis"] = report.mean_nis().into();
     Ok(MethodReport {
         share_at_rest: (report.samples > 0).then(|| report.still_samples as f64 / report.samples as f64),
-        warnings: report.warnings.iter().map(foot_ins::FootInsWarning::text).collect(),
+        warnings: foot_ins_warnings(&report.warnings),
         details,
     })
+}
+
+/// One line for each kind of warning: the log itself has told of every gap already.
+fn foot_ins_warnings(warnings: &[FootInsWarning]) -> Vec<String> {
+    let is_gap = |warning: &&FootInsWarning| matches!(warning, FootInsWarning::Gap { .. });
+    let gaps = warnings.iter().filter(is_gap).count();
+    let others = warnings.iter().filter(|warning| !is_gap(warning)).map(FootInsWarning::text);
+    let first_gap = warnings.iter().find(is_gap).map(|first| match gaps {
+        1 => first.text(),
+        _ => format!("{} ({gaps} gaps, this is the first)", first.text()),
+    });
+    others.chain(first_gap).collect()
 }

@@ -1,5 +1,6 @@
 //! What a user sees while work goes on: a bar on a terminal, traces when asked for, warnings once each.
 
+use crate::output::tell;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, IsTerminal};
 use tracing::level_filters::LevelFilter;
@@ -68,6 +69,6 @@ impl Drop for Progress {
 /// Shows each warning of a log once.
 pub fn warn(warnings: &[impl std::fmt::Display]) {
     for warning in warnings {
-        eprintln!("adit: warning: {warning}");
+        tell(&format!("adit: warning: {warning}\n"));
     }
 }

@@ -45,7 +45,7 @@ mod limits {
     };
     pub const HALLWAY: Limits = Limits {
         rmse_2d_mean_m: 0.33,
-        rmse_2d_median_m: 0.412,
+        rmse_2d_median_m: 0.33,
         rmse_2d_worst_m: 0.412,
         end_2d_mean_m: 2.0,
         end_share_mean: 0.024,
@@ -69,7 +69,7 @@ enum Mode {
 struct Spread {
     mean: f64,
     median: f64,
-    worst: f64,
+    most: f64,
 }
 
 impl Spread {
@@ -81,7 +81,7 @@ impl Spread {
         Self {
             mean: sorted.iter().sum::<f64>() / count as f64,
             median: 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]),
-            worst: sorted[count - 1],
+            most: sorted[count - 1],
         }
     }
 }
@@ -165,14 +165,14 @@ fn against_truth(set: &str, start_distance_m: f64, limits: &Limits, mode: Mode) 
         ("vertical end error, m", &vertical),
         ("path ratio", &ratio),
     ] {
-        let Spread { mean, median, worst } = spread;
-        println!("  {figure:<26} mean {mean:.4}  median {median:.4}  worst {worst:.4}");
+        let Spread { mean, median, most } = spread;
+        println!("  {figure:<26} mean {mean:.4}  median {median:.4}  most {most:.4}");
     }
 
     let checks = [
         ("mean 2D RMSE", rmse.mean, limits.rmse_2d_mean_m),
         ("median 2D RMSE", rmse.median, limits.rmse_2d_median_m),
-        ("worst 2D RMSE", rmse.worst, limits.rmse_2d_worst_m),
+        ("worst 2D RMSE", rmse.most, limits.rmse_2d_worst_m),
         ("mean end error", end.mean, limits.end_2d_mean_m),
         ("mean end share", share.mean, limits.end_share_mean),
         ("mean vertical end error", vertical.mean, limits.end_vertical_mean_m),
@@ -211,22 +211,22 @@ fn foot_loops_end_where_they_began() {
     let Some(folder) = folder("foot-loops") else { return };
     // Some walks of this set are open; its README names the closed ones so.
     let closed = trials(&folder).into_iter().filter(|(name, _)| name.ends_with("_walk"));
+    let mut over = Vec::new();
     for ((name, log), mode) in
         closed.flat_map(|trial| [(trial.clone(), Mode::Streaming), (trial, Mode::Smoothed)])
     {
         let path = track(&log, mode);
         let positions: Vec<Vector3<f64>> = path.poses().iter().map(|pose| pose.position_m).collect();
-        let (end_m, distance_m) =
-            ((positions[positions.len() - 1] - positions[0]).norm(), chord_length_m(&positions));
+        let end_m = (positions[positions.len() - 1] - positions[0]).norm();
+        let distance_m = chord_length_m(&positions);
         let share = end_m / distance_m;
         println!(
-            "{name}, {mode:?}: distance {distance_m:.2} m, end error {end_m:.3} m in space, {:.2} %",
+            "{name}, {mode:?}: distance {distance_m:.2} m, end error in space {end_m:.3} m, {:.2} %",
             100.0 * share
         );
-        assert!(
-            share <= limits::LOOP_END_SHARE,
-            "{name}, {mode:?}: {share:.4}, limit {}",
-            limits::LOOP_END_SHARE
-        );
+        if share.is_nan() || share > limits::LOOP_END_SHARE {
+            over.push(format!("{name}, {mode:?}: {share:.4}, limit {}", limits::LOOP_END_SHARE));
+        }
     }
+    assert!(over.is_empty(), "{}", over.join("; "));
 }

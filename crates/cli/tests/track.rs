@@ -5,7 +5,7 @@ mod common;
 
 use adit_core::trajectory::Trajectory;
 use adit_observation::{Observation, open, tum};
-use common::{HEADER, adit, files, log, rest};
+use common::{G, HEADER, adit, files, log, rest};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -147,6 +147,45 @@ fn warnings_are_shown_once_each_and_the_work_goes_on() {
     assert!(outcome.stderr.lines().all(|l| l.starts_with("adit: warning: ")), "{}", outcome.stderr);
     let report = std::fs::read_to_string(folder.path().join("r.json")).unwrap();
     assert!(report.contains("battery_v"), "{report}");
+}
+
+#[test]
+fn a_walker_who_does_not_rest_at_the_start_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let restless = |i: u32| {
+        let t_s = f64::from(i) * 0.005;
+        let swing = (9.0 * t_s).sin();
+        format!("{t_s},{},0,{},{},{},0", 4.0 * swing, G + 2.0 * swing, 3.0 * swing, 2.0 * swing)
+    };
+    std::fs::write(folder.path().join("log.csv"), log(&(0..1000).map(restless).collect::<Vec<_>>())).unwrap();
+    let outcome = adit(folder.path(), &["track", "log.csv", "--method", "foot-ins", "-o", "walk.tum"]);
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    assert!(outcome.stderr.starts_with("adit: warning: "), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr.matches("not at rest at the start").count(), 1, "{}", outcome.stderr);
+    assert_eq!(read(folder.path().join("walk.tum")).len(), 1000);
+}
+
+#[test]
+fn a_sidecar_is_heard_and_a_config_has_the_last_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("log.csv", &log(&rest(1000)));
+    write(
+        "log.toml",
+        "[mounting]\nlocation = \"waist\"\n[noise]\nangle_random_walk_rad_sqrt_s = 0.25\n\
+         velocity_random_walk_m_s_sqrt_s = 0.5\ngyro_bias_walk_rad_s_sqrt_s = 1e-6\nacc_bias_walk_m_s2_sqrt_s = 1e-5\n",
+    );
+    write("foot.toml", "[noise]\nvelocity_random_walk_m_s_sqrt_s = 0.75\n");
+    let args = ["track", "log.csv", "--method", "foot-ins", "-o", "walk.tum", "--config", "foot.toml", "-vv"];
+    let outcome = adit(folder.path(), &args);
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    for expected in [
+        "adit: warning: the sidecar puts the sensor at \"waist\"",
+        "angle_random_walk_rad_sqrt_s: 0.25",
+        "velocity_random_walk_m_s_sqrt_s: 0.75",
+    ] {
+        assert!(outcome.stderr.contains(expected), "{expected}: {}", outcome.stderr);
+    }
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub fn run(args: &TrackArgs) -> Result<()> {
     }
     let stdout_is_taken = args.out == Target::Stdout || args.json == Some(Target::Stdout);
     if stdout_is_taken {
-        eprint!("{}", report.summary());
+        output::tell(&report.summary());
         Ok(())
     } else {
         output::print(&report.summary())
