@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 LONGEST_SOURCE=500      # lines; a longer file is split by subject
 LARGEST_FILE=1048576    # bytes
 
-files=$(git ls-files --cached --others --exclude-standard | sort -u | while read -r f; do [ -f "$f" ] && echo "$f"; done)
+files=$(git ls-files --cached --others --exclude-standard | sort -u | while read -r f; do if [ -f "$f" ]; then echo "$f"; fi; done)
 of() { grep -E "$1" <<<"$files" || true; }
 
 # Heading anchors of a Markdown file, as forges make them.

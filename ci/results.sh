@@ -1,6 +1,9 @@
 #!/usr/bin/env bash
-# Regenerates the measured figures of the docs from the recorded sets: docs/results/trials.md, and every block between
-# the lines `<!-- results:begin -->` and `<!-- results:end -->` of a page.
+# Regenerates every figure of the docs:
+#   the block from `<!-- results:begin -->` to `<!-- results:end -->` of a page: the recorded sets with truth;
+#   the block from `<!-- loops:begin -->` to `<!-- loops:end -->`: the walks without;
+#   the block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
+#   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -10,20 +13,56 @@ fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
 cargo build --locked --release -p adit-cli --bin adit --example recorded_results
-bin="${CARGO_TARGET_DIR:-target}/release"
-complete=0
-"$bin/examples/recorded_results" "$bin/adit" "$ADIT_DATA" "$fresh" || complete=$?
+bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
-[ -f "$fresh/summary.md" ] || exit 1
+complete=0
+"$bin/examples/recorded_results" "$bin/adit" "$ADIT_DATA" "$fresh" || complete=$?
+[ -f "$fresh/trials.md" ] || exit 1
 cp "$fresh/trials.md" docs/results/trials.md
-grep -rl --include='*.md' --exclude-dir=target '^<!-- results:begin -->$' README.md docs | while read -r page; do
-    awk -v summary="$fresh/summary.md" '
-        /^<!-- results:end -->$/ { inside = 0 }
-        !inside { print }
-        /^<!-- results:begin -->$/ { inside = 1; print ""; while ((getline line < summary) > 0) print line; print ""; close(summary) }
-    ' "$page" >"$fresh/page" && cp "$fresh/page" "$page"
+
+mkdir "$fresh/here"
+ln -s "$PWD/scenarios" "$fresh/here/scenarios"
+
+# What a command prints, without the lines that no two runs have in common.
+run() {
+    (cd "$fresh/here" && PATH="$bin:$PATH" bash -c "$1") | sed -e '/^speed /d' -e 's/ *$//'
+}
+
+run 'adit demo' >"$fresh/demo.txt"
+cp "$fresh/here/out/demo/path.svg" docs/results/demo-path.svg
+cp "$fresh/here/out/demo/evaluation.svg" docs/results/demo-evaluation.svg
+
+# A page with its blocks made anew.
+renew() {
+    local line inside=
+    while IFS= read -r line; do
+        case $line in
+        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- run:end -->') inside= ;;
+        esac
+        if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
+        case $line in
+        '<!-- results:begin -->')
+            inside=yes
+            printf '\n%s\n\n' "$(cat "$fresh/sets.md")"
+            ;;
+        '<!-- loops:begin -->')
+            inside=yes
+            printf '\n%s\n\n' "$(cat "$fresh/loops.md")"
+            ;;
+        '<!-- run:begin adit '*' -->')
+            inside=yes
+            line=${line#<!-- run:begin } line=${line% -->}
+            printf '\n```text\n$ %s\n%s\n```\n\n' "$line" "$(run "$line")"
+            ;;
+        esac
+    done <"$1"
+}
+
+for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|run):begin' README.md docs); do
+    renew "$page" >"$fresh/page"
+    cp "$fresh/page" "$page"
     echo "results: wrote $page"
 done
-cat "$fresh/summary.md"
+cat "$fresh/sets.md" "$fresh/loops.md"
 exit $complete

@@ -1,7 +1,8 @@
 //! Runs `adit` over the recorded foot-mounted sets, as anybody would, and writes the figures as Markdown.
 //!
 //! `recorded_results ADIT DATA OUT` takes the program, the folder of the sets and the folder for the results:
-//! `summary.md`, a row for each set, and `trials.md`, a row for each trial. `ci/results.sh` calls it.
+//! `sets.md`, a row for each set with truth, `loops.md`, a row for each walk without, and `trials.md`, a row for each
+//! trial. `ci/results.sh` calls it.
 //!
 //! Every trial of every set is tracked with one setting, `adit track LOG --method foot-ins -o EST.tum`, and once more with
 //! `--smooth`. Figures are those of `adit eval`: RMSE after an SE(2) fit over the run, end errors after matching position
@@ -62,7 +63,8 @@ fn main() -> Result<ExitCode> {
     let [adit, data, out] = arguments.as_slice() else { bail!("usage: recorded_results ADIT DATA OUT") };
     let scratch = tempfile::tempdir()?;
     let bench = Bench { adit, estimate: scratch.path().join("estimate.tum") };
-    let (mut summary, mut trials, mut complete, mut runs) = (String::new(), String::new(), true, 0);
+    let (mut sets, mut trials, mut loops) = (String::new(), String::new(), String::new());
+    let (mut complete, mut runs) = (true, 0);
 
     for (set, start_distance_m) in SETS_WITH_TRUTH {
         let folder = data.join(set);
@@ -70,22 +72,23 @@ fn main() -> Result<ExitCode> {
         let rows =
             run_all(&logs, &mut complete, |log, mode| bench.against_truth(log, mode, start_distance_m));
         if runs == 0 {
-            summary.push_str(SUMMARY_HEADING);
+            sets.push_str(SETS_HEADING);
         }
         runs += rows.len();
-        summarise(&mut summary, set, &rows)?;
+        summarise(&mut sets, set, &rows)?;
         list_trials(&mut trials, set, &rows)?;
     }
     if let Some(logs) = logs_of(&data.join(LOOPS))? {
         let rows = run_all(&logs, &mut complete, |log, mode| bench.walk(log, mode));
         runs += rows.len();
-        list_walks(&mut summary, &rows)?;
+        list_walks(&mut loops, &rows)?;
     }
     if runs == 0 {
         bail!("{}: no recorded set could be judged", data.display());
     }
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
-    std::fs::write(out.join("summary.md"), summary)?;
+    std::fs::write(out.join("sets.md"), sets)?;
+    std::fs::write(out.join("loops.md"), loops)?;
     std::fs::write(out.join("trials.md"), format!("{TRIALS_HEADING}{trials}"))?;
     Ok(if complete { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -196,7 +199,7 @@ fn number(report: &Value, name: &str) -> Result<f64> {
     report[name].as_f64().with_context(|| format!("no number {name} in the JSON report"))
 }
 
-const SUMMARY_HEADING: &str = "\
+const SETS_HEADING: &str = "\
 | set | mode | runs | 2D RMSE, m: mean / median / worst | end error, m: mean (share of path) | vertical end error, m: mean | path ratio: mean (least–most) |
 |---|---|---|---|---|---|---|
 ";
@@ -254,7 +257,7 @@ fn list_trials(out: &mut String, set: &str, rows: &[Trial]) -> Result<()> {
 }
 
 fn list_walks(out: &mut String, rows: &[Walk]) -> Result<()> {
-    writeln!(out, "\n| {LOOPS} | mode | path, m | end from start in space, m | level, m | height, m |")?;
+    writeln!(out, "| {LOOPS} | mode | path, m | end from start in space, m | level, m | height, m |")?;
     writeln!(out, "|---|---|---|---|---|---|")?;
     for Walk { name, mode, distance_m, end_2d_m, end_up_m } in rows {
         let (mode, end_3d_m) = (mode.name(), end_2d_m.hypot(*end_up_m));
