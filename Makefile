@@ -10,8 +10,9 @@ demo: ## build adit and track an example walk that it simulates itself
 test: ## every check: format, lints, tests, doc tests, docs, no_std proof, repository rules
 	@bash ci/test.sh
 
-bench: ## speed: criterion benchmarks
+bench: ## speed: criterion benchmarks, and a rival on the same walk
 	cargo bench --locked --workspace --bench '*'
+	@bash ci/rival.sh
 
 results: ## regenerate the measured figures in the docs from the recorded sets (ADIT_DATA, default ../shared/data)
 	@bash ci/results.sh

@@ -160,8 +160,11 @@ impl Adjoint {
 
     /// `Φᵀ λ` and `Φᵀ Λ Φ`: every block receives from those it drives.
     fn through_prediction(&mut self, step: &Step) {
-        let Transition { bias_gain, tilt_gain, interval_s } = Transition::of(step);
-        let (bias_gain_t, tilt_gain_t) = (bias_gain.transpose(), tilt_gain.transpose());
+        let transition = Transition::of(step);
+        let Transition { bias_gain, interval_s, .. } = transition;
+        let bias_gain_t = bias_gain.transpose();
+        let tilt_gain = transition.tilt(&Matrix3::identity());
+        let tilt_gain_t = tilt_gain.transpose();
 
         let [attitude, velocity, position, ..] = self.vector;
         self.vector[ATTITUDE] += tilt_gain_t * velocity;

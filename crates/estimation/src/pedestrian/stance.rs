@@ -106,6 +106,17 @@ impl Stance {
     }
 }
 
+/// A sample in the queue.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Entry {
+    sample: ImuSample,
+    /// `‖f‖²` and `‖ω‖²`, needed once for every window that holds the sample.
+    force_squared: f64,
+    rate_squared: f64,
+    /// Statistic of the window around it, zero until it is judged.
+    statistic: f64,
+}
+
 /// Streaming detector: samples in, samples with their stance out, `reach + window/2` later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StanceDetector {
@@ -113,8 +124,8 @@ pub struct StanceDetector {
     gravity_m_s2: f64,
     half_window: Interval,
     reach: Interval,
-    /// Samples from half a window before the next to leave, with the statistic once known.
-    samples: VecDeque<(ImuSample, f64)>,
+    /// Samples from half a window before the next to leave.
+    samples: VecDeque<Entry>,
     /// Samples of the queue that have left already and serve only as window.
     departed: usize,
     /// Samples of the queue whose statistic is known.
@@ -150,7 +161,7 @@ impl StanceDetector {
     /// An accelerometer that is off by 50 mg would otherwise never look at rest.
     pub fn set_rest_force(&mut self, force_m_s2: f64) {
         self.gravity_m_s2 = force_m_s2;
-        let latest = self.samples.back().map(|(sample, _)| sample.time);
+        let latest = self.samples.back().map(|entry| entry.sample.time);
         self.judged = self.departed;
         self.entered = self.departed;
         self.minima.clear();
@@ -159,13 +170,18 @@ impl StanceDetector {
 
     /// Takes one sample; times must rise.
     pub fn push(&mut self, sample: ImuSample) {
-        self.samples.push_back((sample, f64::NAN));
+        self.samples.push_back(Entry {
+            sample,
+            force_squared: sample.specific_force_m_s2.norm_squared(),
+            rate_squared: sample.angular_rate_rad_s.norm_squared(),
+            statistic: 0.0,
+        });
         self.judge(Some(sample.time));
     }
 
     /// The next sample whose window and reach are complete, with its stance.
     pub fn pop(&mut self) -> Option<(ImuSample, Stance)> {
-        let latest = self.samples.back()?.0.time;
+        let latest = self.samples.back()?.sample.time;
         self.pop_until(Some(latest))
     }
 
@@ -177,55 +193,52 @@ impl StanceDetector {
 
     /// The samples still waiting to leave, oldest first.
     pub fn waiting(&self) -> impl Iterator<Item = &ImuSample> {
-        self.samples.iter().skip(self.departed).map(|(sample, _)| sample)
+        self.samples.iter().skip(self.departed).map(|entry| &entry.sample)
     }
 
     /// Memory held by the queues, bytes.
     pub fn heap_bytes(&self) -> usize {
-        self.samples.capacity() * size_of::<(ImuSample, f64)>()
-            + self.minima.capacity() * size_of::<(Time, f64)>()
+        self.samples.capacity() * size_of::<Entry>() + self.minima.capacity() * size_of::<(Time, f64)>()
     }
 
     /// Computes the statistics whose windows are complete at `latest` (`None`: at the end of the log).
     fn judge(&mut self, latest: Option<Time>) {
-        while let Some((sample, _)) = self.samples.get(self.judged) {
-            let end = sample.time + self.half_window;
+        while let Some(entry) = self.samples.get(self.judged) {
+            let (start, end) = (entry.sample.time - self.half_window, entry.sample.time + self.half_window);
             if latest.is_some_and(|latest| latest < end) {
                 return;
             }
-            let start = sample.time - self.half_window;
             let mut first = self.judged;
-            while first > 0 && self.samples[first - 1].0.time >= start {
+            while first > 0 && self.samples[first - 1].sample.time >= start {
                 first -= 1;
             }
             let mut past = self.judged + 1;
-            while past < self.samples.len() && self.samples[past].0.time <= end {
+            while past < self.samples.len() && self.samples[past].sample.time <= end {
                 past += 1;
             }
             let statistic = self.statistic(first, past);
-            self.samples[self.judged].1 = statistic;
+            self.samples[self.judged].statistic = statistic;
             self.judged += 1;
         }
     }
 
     fn statistic(&self, first: usize, past: usize) -> f64 {
-        let window = || self.samples.range(first..past).map(|(sample, _)| sample);
+        let window = || self.samples.range(first..past);
         let count = (past - first) as f64;
         let acc_weight = 1.0 / (self.params.acc_scale_m_s2 * self.params.acc_scale_m_s2);
         let gyro_weight = 1.0 / (self.params.gyro_scale_rad_s * self.params.gyro_scale_rad_s);
         let g = self.gravity_m_s2;
         if self.params.detector == Detector::Magnitude {
             return window().fold(0.0, |largest: f64, s| {
-                let excess = libm::sqrt(s.specific_force_m_s2.norm_squared()) - g;
-                let force = excess * excess * acc_weight;
-                largest.max(force).max(s.angular_rate_rad_s.norm_squared() * gyro_weight)
+                let excess = libm::sqrt(s.force_squared) - g;
+                largest.max(excess * excess * acc_weight).max(s.rate_squared * gyro_weight)
             });
         }
         let (mut force, mut force_squared, mut rate_squared) = (Vector3::zeros(), 0.0, 0.0);
         for s in window() {
-            force += s.specific_force_m_s2;
-            force_squared += s.specific_force_m_s2.norm_squared();
-            rate_squared += s.angular_rate_rad_s.norm_squared();
+            force += s.sample.specific_force_m_s2;
+            force_squared += s.force_squared;
+            rate_squared += s.rate_squared;
         }
         // Σ‖f − u‖² = Σ‖f‖² − 2 u·Σf + W‖u‖² for u = f̄ and for u = g f̄/‖f̄‖.
         let force_norm = libm::sqrt(force.norm_squared());
@@ -240,7 +253,7 @@ impl StanceDetector {
     }
 
     fn pop_until(&mut self, latest: Option<Time>) -> Option<(ImuSample, Stance)> {
-        let &(sample, statistic) = self.samples.get(self.departed)?;
+        let &Entry { sample, statistic, .. } = self.samples.get(self.departed)?;
         if self.departed >= self.judged {
             return None;
         }
@@ -267,7 +280,7 @@ impl StanceDetector {
     /// Enters all judged samples up to `horizon` into the sliding minimum (monotonic queue: O(1) per sample).
     fn enter_minima(&mut self, horizon: Time) {
         while self.entered < self.judged {
-            let (sample, statistic) = self.samples[self.entered];
+            let Entry { sample, statistic, .. } = self.samples[self.entered];
             if sample.time > horizon {
                 return;
             }
@@ -288,7 +301,7 @@ impl StanceDetector {
     /// Drops departed samples that no window needs any more.
     fn forget(&mut self, left: Time) {
         let oldest = left - self.half_window;
-        while self.departed > 1 && self.samples[0].0.time < oldest {
+        while self.departed > 1 && self.samples[0].sample.time < oldest {
             self.samples.pop_front();
             self.departed -= 1;
             self.judged -= 1;

@@ -21,6 +21,11 @@ const GAP_SPEED_M_S: f64 = 2.0;
 const GAP_RATE_RAD_S: f64 = 0.5;
 const GAP_TURN_RAD: f64 = 0.5;
 
+/// Stands for "never"; finite, so that a snapshot survives every format.
+const LONG_AGO_S: f64 = 1e9;
+/// Slack on the time between updates, so that jitter of the stamps does not skip one, s.
+const SLACK_S: f64 = 0.001;
+
 /// Estimate of one walker, with the little memory that the updates need.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FootFilter {
@@ -32,6 +37,9 @@ pub struct FootFilter {
     /// Time since the last zero-velocity update that was tried, and since the last that was accepted, s.
     since_update_s: f64,
     since_accepted_s: f64,
+    /// Time since the last zero-rate and the last gravity update, s.
+    since_rate_s: f64,
+    since_gravity_s: f64,
     /// Time at rest, s.
     at_rest_s: f64,
     straight_legs: Option<StraightLegs>,
@@ -62,8 +70,10 @@ impl FootFilter {
             inertial: InertialFilter::new(state, covariance, params.gravity_m_s2),
             time,
             interval_s: 0.0,
-            since_update_s: f64::INFINITY,
+            since_update_s: LONG_AGO_S,
             since_accepted_s: 0.0,
+            since_rate_s: LONG_AGO_S,
+            since_gravity_s: LONG_AGO_S,
             at_rest_s: 0.0,
             straight_legs: (params.heading_aid == HeadingAid::StraightLegs).then(StraightLegs::default),
             params: params.clone(),
@@ -84,6 +94,8 @@ impl FootFilter {
         self.interval_s = interval_s;
         self.since_update_s += interval_s;
         self.since_accepted_s += interval_s;
+        self.since_rate_s += interval_s;
+        self.since_gravity_s += interval_s;
         if let Some(gap_s) = gap {
             self.cross_gap(gap_s);
         }
@@ -96,8 +108,7 @@ impl FootFilter {
         let z = &self.params.zero_velocity;
         self.at_rest_s =
             if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
-        // Half a sampling interval of slack, so that jitter of the stamps does not skip an update.
-        if !stance.is_still() || self.since_update_s < z.interval_s - 0.001 {
+        if !stance.is_still() || self.since_update_s < z.interval_s - SLACK_S {
             return corrections;
         }
         self.since_update_s = 0.0;
@@ -115,19 +126,22 @@ impl FootFilter {
         }
         self.since_accepted_s = 0.0;
 
-        if stance.statistic < self.params.zero_rate.statistic {
+        let r = &self.params.zero_rate;
+        if stance.statistic < r.statistic && self.since_rate_s >= r.interval_s - SLACK_S {
+            self.since_rate_s = 0.0;
             let rate = imu.angular_rate_rad_s - self.inertial.state.navigation.gyro_bias_rad_s;
-            let r = &self.params.zero_rate;
             let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
             let zero_rate =
                 ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
             corrections.rate =
                 self.inertial.update(&zero_rate.linearise(&self.inertial.state), f64::INFINITY);
         }
-        if stance.statistic < self.params.rest_gravity.statistic {
+        let g = &self.params.rest_gravity;
+        if stance.statistic < g.statistic && self.since_gravity_s >= g.interval_s - SLACK_S {
+            self.since_gravity_s = 0.0;
             let gravity = RestGravity {
                 specific_force_m_s2: imu.specific_force_m_s2,
-                sigma_m_s2: self.params.rest_gravity.sigma_m_s2,
+                sigma_m_s2: g.sigma_m_s2,
                 gravity_m_s2: self.params.gravity_m_s2,
             };
             corrections.gravity =
@@ -179,7 +193,7 @@ impl FootFilter {
         self.inertial.covariance.inflate(VELOCITY, &(Matrix3::identity() * speed));
         self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * (speed * gap_s * gap_s)));
         self.inertial.covariance.inflate(ATTITUDE, &(Matrix3::identity() * (turn * turn)));
-        self.since_accepted_s = f64::INFINITY;
+        self.since_accepted_s = LONG_AGO_S;
         self.at_rest_s = 0.0;
     }
 }

@@ -85,6 +85,8 @@ pub struct ZeroVelocityParams {
 pub struct ZeroRateParams {
     /// Stance statistic below which the update is made.
     pub statistic: f64,
+    /// Time between updates, s.
+    pub interval_s: f64,
     /// Standard deviation at rest, rad/s.
     pub sigma_rad_s: f64,
     /// Standard deviation as a share of the measured rate.
@@ -97,6 +99,8 @@ pub struct ZeroRateParams {
 pub struct RestGravityParams {
     /// Stance statistic below which the update is made.
     pub statistic: f64,
+    /// Time between updates, s.
+    pub interval_s: f64,
     /// Standard deviation, m/s².
     pub sigma_m_s2: f64,
 }
@@ -168,9 +172,11 @@ impl FootInsParams {
             ("zero_velocity.rest_statistic", not_negative(z.rest_statistic)),
             ("zero_velocity.rest_s", not_negative(z.rest_s)),
             ("zero_rate.statistic", not_negative(self.zero_rate.statistic)),
+            ("zero_rate.interval_s", not_negative(self.zero_rate.interval_s)),
             ("zero_rate.sigma_rad_s", positive(self.zero_rate.sigma_rad_s)),
             ("zero_rate.rate_share", not_negative(self.zero_rate.rate_share)),
             ("rest_gravity.statistic", not_negative(self.rest_gravity.statistic)),
+            ("rest_gravity.interval_s", not_negative(self.rest_gravity.interval_s)),
             ("rest_gravity.sigma_m_s2", positive(self.rest_gravity.sigma_m_s2)),
         ];
         checks.iter().find(|(_, usable)| !usable).map(|(name, _)| *name)
@@ -244,12 +250,12 @@ impl Default for ZeroVelocityParams {
 
 impl Default for ZeroRateParams {
     fn default() -> Self {
-        Self { statistic: 5.0, sigma_rad_s: 0.0055, rate_share: 0.75 }
+        Self { statistic: 5.0, interval_s: 0.01, sigma_rad_s: 0.0055, rate_share: 0.75 }
     }
 }
 
 impl Default for RestGravityParams {
     fn default() -> Self {
-        Self { statistic: 0.1, sigma_m_s2: 0.2 }
+        Self { statistic: 0.1, interval_s: 0.1, sigma_m_s2: 0.2 }
     }
 }
