@@ -87,9 +87,8 @@ fn coning_drifts_as_the_closed_form_says_and_far_less_than_uncorrected() {
     let half_cone = PI / 180.0;
     let (steps, dt) = (12_000_u32, 0.005);
     let step_phase = TAU * 5.0 * dt;
-    let increment = |k: u32| {
-        coning_increment(half_cone, f64::from(k) * step_phase, f64::from(k + 1) * step_phase)
-    };
+    let increment =
+        |k: u32| coning_increment(half_cone, f64::from(k) * step_phase, f64::from(k + 1) * step_phase);
     let start = coning_attitude(half_cone, 0.0);
     let samples = (0..steps).map(|k| (increment(k) / dt, Vector3::zeros()));
     let corrected = integrate(at_rest(start), samples, dt).attitude;
@@ -103,7 +102,11 @@ fn coning_drifts_as_the_closed_form_says_and_far_less_than_uncorrected() {
     let steps = f64::from(steps);
     // The formulas hold to α²/12; the first step has no step before it.
     let expected = lost * steps;
-    assert!((drift(&uncorrected) + expected).abs() < 1e-3 * expected, "{:e} {expected:e}", drift(&uncorrected));
+    assert!(
+        (drift(&uncorrected) + expected).abs() < 1e-3 * expected,
+        "{:e} {expected:e}",
+        drift(&uncorrected)
+    );
     let expected = lost * steps - regained * (steps - 1.0);
     assert!((drift(&corrected) + expected).abs() < 1e-2 * expected, "{:e} {expected:e}", drift(&corrected));
     // β²/5 with β = 9°.
@@ -175,9 +178,8 @@ fn a_sensor_spinning_at_rest_drifts_no_more_than_the_second_order_allows() {
 #[test]
 fn any_mounting_gives_the_same_path() {
     let mut draws = Draws::new(5);
-    let samples: Vec<_> = (0..2_000)
-        .map(|_| (draws.vector(3.0), Vector3::z() * GRAVITY + draws.vector(5.0)))
-        .collect();
+    let samples: Vec<_> =
+        (0..2_000).map(|_| (draws.vector(3.0), Vector3::z() * GRAVITY + draws.vector(5.0))).collect();
     let start = at_rest(attitude::exp(&Vector3::new(0.1, 0.2, 0.3)));
     let path = integrate(start, samples.iter().copied(), 0.005);
     let upside_down = Vector3::x() * PI;
