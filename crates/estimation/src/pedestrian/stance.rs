@@ -77,12 +77,12 @@ impl Default for StanceParams {
         Self {
             detector: Detector::Adaptive,
             window_s: 0.025,
-            acc_scale_m_s2: 0.15,
+            acc_scale_m_s2: 0.19,
             gyro_scale_rad_s: 0.1,
             threshold: 20.0,
-            reach_s: 0.7,
-            gain: 7.0,
-            floor: 0.6,
+            reach_s: 0.55,
+            gain: 1.7,
+            floor: 0.75,
             ceiling: 3e4,
         }
     }

@@ -175,13 +175,11 @@ impl FootFilter {
         &self.inertial.covariance
     }
 
+    /// The less still the foot, the less is its velocity known: variance grows with the statistic.
     fn contact_sigma_m_s(&self, stance: &Stance) -> f64 {
         let z = &self.params.zero_velocity;
-        let excess = (stance.statistic / stance.least.max(f64::MIN_POSITIVE) - 1.0).max(0.0);
         libm::sqrt(
-            z.sigma_m_s * z.sigma_m_s
-                + z.statistic_sigma_m_s * z.statistic_sigma_m_s * stance.statistic
-                + z.excess_sigma_m_s * z.excess_sigma_m_s * excess,
+            z.sigma_m_s * z.sigma_m_s + z.statistic_sigma_m_s * z.statistic_sigma_m_s * stance.statistic,
         )
     }
 
