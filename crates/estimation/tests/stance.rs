@@ -30,12 +30,13 @@ fn params(detector: Detector) -> StanceParams {
 fn motion(count: usize, even: bool, seed: u64) -> Vec<ImuSample> {
     let mut draws = Draws::new(seed);
     let mut time = Time::ZERO;
+    let span = |seconds: f64| Interval::from_seconds(seconds).unwrap_or_default();
     (0..count)
         .map(|k| {
-            let jitter_ns = if even { 0 } else { (draws.normal() * 5e5).clamp(-4e6, 4e6) as i64 };
-            let lost = if even || k % 37 != 5 { 0 } else { 5_000_000 * (k as i64 % 4) };
-            let pause = if even || k != count / 2 { 0 } else { 1_500_000_000 };
-            time = time + Interval::from_nanos(5_000_000 + jitter_ns + lost + pause);
+            let jitter_s = if even { 0.0 } else { (draws.normal() * 5e-4).clamp(-4e-3, 4e-3) };
+            let lost_s = if even || k % 37 != 5 { 0.0 } else { 0.005 * (k % 4) as f64 };
+            let pause_s = if even || k != count / 2 { 0.0 } else { 1.5 };
+            time = time + span(0.005 + jitter_s + lost_s + pause_s);
             let vigour = (k as f64 * 0.03).sin().powi(4) * 5.0 + 0.02;
             ImuSample {
                 time,
@@ -152,12 +153,12 @@ fn a_sample_leaves_as_soon_as_window_and_reach_are_complete() {
         let samples = motion(1_000, false, 3);
         let mut detector = StanceDetector::new(params, GRAVITY);
         let mut left = 0;
-        for sample in &samples {
+        for (latest, sample) in samples.iter().enumerate() {
             detector.push(*sample);
             left += core::iter::from_fn(|| detector.pop()).count();
             let due = samples.iter().take_while(|s| s.time + delay <= sample.time).count();
             assert_eq!(left, due, "at {} s", sample.time);
-            assert!(detector.waiting().eq(&samples[left..=left + detector.waiting().count() - 1]));
+            assert!(detector.waiting().eq(&samples[left..=latest]));
         }
     }
 }
@@ -167,7 +168,9 @@ fn a_drained_detector_is_empty() {
     for detector in DETECTORS {
         let samples = motion(300, true, 4);
         let mut detector = StanceDetector::new(params(detector), GRAVITY);
-        samples.iter().for_each(|sample| detector.push(*sample));
+        for sample in &samples {
+            detector.push(*sample);
+        }
         assert_eq!(core::iter::from_fn(|| detector.drain()).count(), samples.len());
         assert_eq!(detector.waiting().count(), 0);
         assert!(detector.pop().is_none());
@@ -183,7 +186,9 @@ fn another_force_at_rest_judges_the_waiting_samples_anew() {
         let params = params(detector);
         let mut streaming = StanceDetector::new(params.clone(), GRAVITY);
         let (waiting, later) = samples.split_at(60);
-        waiting.iter().for_each(|sample| streaming.push(*sample));
+        for sample in waiting {
+            streaming.push(*sample);
+        }
         streaming.set_rest_force(read);
         same(&streamed(streaming, later), &expected(&samples, &params, read));
     }
