@@ -21,12 +21,12 @@ Examples:
   adit demo --seed 7 --out /tmp/demo";
 
 const SIMULATE_EXAMPLES: &str = "\
-The scenario is a TOML file; scenarios/foot-walk.toml of the repository is a commented example.
+The scenario is a TOML file; scenarios/s2.toml of the repository is a commented example.
 The same scenario and seed give the same bytes.
 
 Examples:
-  adit simulate scenarios/foot-walk.toml -o out/walk
-  adit simulate scenarios/foot-walk.toml -o out/walk-7 --seed 7";
+  adit simulate scenarios/s2.toml -o out/walk
+  adit simulate scenarios/s2.toml -o out/walk-7 --seed 7";
 
 const TRACK_EXAMPLES: &str = "\
 Logs:

@@ -3,7 +3,7 @@
 //! ```toml
 //! kind = "foot-walk"
 //! seed = 1
-//! sensor = "adis16448"      # or ideal, mpu6050, microstrain-gx5-25, or a table [sensors.NAME] of this file
+//! sensor = "adis16448"      # or adis16448-calibrated, ideal, mpu6050, microstrain-gx5-25, or a table [sensors.NAME] of this file
 //! gait = "walk"             # or slow, run, stairs, or a table [gaits.NAME] of this file
 //! heading_deg = 90.0        # clockwise from north
 //! legs = [
@@ -79,9 +79,10 @@ const fn default_rate_hz() -> f64 {
 /// A name and what it stands for.
 type Preset<T> = (&'static str, fn() -> T);
 
-const SENSORS: [Preset<ImuErrorModel>; 4] = [
+const SENSORS: [Preset<ImuErrorModel>; 5] = [
     ("ideal", ImuErrorModel::default),
     ("adis16448", ImuErrorModel::adis16448),
+    ("adis16448-calibrated", ImuErrorModel::adis16448_calibrated),
     ("mpu6050", ImuErrorModel::mpu6050),
     ("microstrain-gx5-25", ImuErrorModel::microstrain_gx5_25),
 ];
@@ -97,8 +98,8 @@ impl Scenario {
 
     /// The scenario of `adit demo`, which is in the binary.
     pub fn demo() -> Result<Self> {
-        let path = Path::new("scenarios/foot-walk.toml");
-        let text = include_str!("../../../scenarios/foot-walk.toml");
+        let path = Path::new("scenarios/s2.toml");
+        let text = include_str!("../../../scenarios/s2.toml");
         Ok(Self { file: path.to_path_buf(), ..config::parse(path, text)? })
     }
 

@@ -18,6 +18,9 @@ use std::path::Path;
 /// Size of the map in characters.
 const MAP: (usize, usize) = (76, 12);
 
+/// What the simulated sensor is, for the filter.
+const FILTER: &str = include_str!("../../../../scenarios/s2-filter.toml");
+
 /// Simulates, tracks, judges and shows.
 pub fn run(args: &DemoArgs) -> Result<()> {
     let folder = args.out.as_path();
@@ -25,9 +28,12 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let seed = args.seed.unwrap_or(scenario.seed);
     let made = simulate(&scenario, seed, folder)?;
     let (estimate_path, covariance_path) = (folder.join("estimate.tum"), folder.join("estimate.csv"));
+    let filter_path = folder.join("filter.toml");
+    write_file(&filter_path, FILTER)?;
     let tracked = track(&TrackReport::arguments(
         made.log.clone(),
         Method::FootIns,
+        filter_path,
         estimate_path.clone(),
         covariance_path,
     ))?;
@@ -73,7 +79,7 @@ fn next(folder: &Path) -> String {
     let folder = folder.display();
     format!(
         "\nFigures: {folder}/path.svg, {folder}/evaluation.svg\n\nNow try:\n\
-         \x20 adit track {folder}/log.mcap --method foot-ins --smooth -o {folder}/smoothed.tum\n\
+         \x20 adit track {folder}/log.mcap --method foot-ins --config {folder}/filter.toml --smooth -o {folder}/smoothed.tum\n\
          \x20 adit eval {folder}/smoothed.tum --truth {folder}/truth.tum --plot {folder}/smoothed.svg\n\
          \x20 adit eval {folder}/estimate.tum --truth {folder}/truth.tum --covariance {folder}/estimate.csv\n\
          \x20 adit track YOUR_LOG.csv --method foot-ins -o your.tum        (adit track --help: what a log looks like)\n"

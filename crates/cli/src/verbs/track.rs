@@ -244,12 +244,18 @@ impl TrackReport {
     }
 
     /// Settings of a plain run of a method, for verbs that track on the way.
-    pub fn arguments(log: PathBuf, method: Method, out: PathBuf, covariance: PathBuf) -> TrackArgs {
+    pub fn arguments(
+        log: PathBuf,
+        method: Method,
+        config: PathBuf,
+        out: PathBuf,
+        covariance: PathBuf,
+    ) -> TrackArgs {
         TrackArgs {
             logs: vec![log],
             method,
             out: Target::File(out),
-            config: None,
+            config: Some(config),
             smooth: false,
             lag: None,
             json: None,
