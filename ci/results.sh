@@ -3,7 +3,8 @@
 #   the block from `<!-- results:begin -->` to `<!-- results:end -->` of a page: the recorded sets with truth;
 #   the block from `<!-- loops:begin -->` to `<!-- loops:end -->`: the walks without;
 #   the block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
-#   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg.
+#   the block from `<!-- walks:begin -->` to `<!-- walks:end -->`: the simulated walk of system S2 over many seeds;
+#   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -12,7 +13,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -20,6 +21,9 @@ complete=0
 "$bin/examples/recorded_results" "$bin/adit" "$ADIT_DATA" "$fresh" || complete=$?
 [ -f "$fresh/trials.md" ] || exit 1
 cp "$fresh/trials.md" docs/results/trials.md
+
+"$bin/examples/simulated_walks" >"$fresh/walks.md"
+"$bin/examples/stance_figure" docs/results/stance.svg
 
 mkdir "$fresh/here"
 ln -s "$PWD/scenarios" "$fresh/here/scenarios"
@@ -38,7 +42,7 @@ renew() {
     local line inside=
     while IFS= read -r line; do
         case $line in
-        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- run:end -->') inside= ;;
+        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- walks:end -->' | '<!-- run:end -->') inside= ;;
         esac
         if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
         case $line in
@@ -50,6 +54,10 @@ renew() {
             inside=yes
             printf '\n%s\n\n' "$(cat "$fresh/loops.md")"
             ;;
+        '<!-- walks:begin -->')
+            inside=yes
+            printf '\n%s\n\n' "$(cat "$fresh/walks.md")"
+            ;;
         '<!-- run:begin adit '*' -->')
             inside=yes
             line=${line#<!-- run:begin } line=${line% -->}
@@ -59,7 +67,7 @@ renew() {
     done <"$1"
 }
 
-for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|run):begin' README.md docs); do
+for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|run):begin' README.md docs); do
     renew "$page" >"$fresh/page"
     cp "$fresh/page" "$page"
     echo "results: wrote $page"

@@ -35,26 +35,26 @@ mod limits {
     use super::Limits;
 
     pub const VICON: Limits = Limits {
-        rmse_2d_mean_m: 0.11,
-        rmse_2d_median_m: 0.08,
-        rmse_2d_worst_m: 0.5,
-        end_2d_mean_m: 0.2,
-        end_share_mean: 0.01,
-        end_vertical_mean_m: 0.2,
+        rmse_2d_mean_m: 0.079,
+        rmse_2d_median_m: 0.059,
+        rmse_2d_worst_m: 0.30,
+        end_2d_mean_m: 0.10,
+        end_share_mean: 0.006,
+        end_vertical_mean_m: 0.15,
         path_ratio_off: 0.02,
     };
     pub const HALLWAY: Limits = Limits {
-        rmse_2d_mean_m: 0.33,
-        rmse_2d_median_m: 0.33,
-        rmse_2d_worst_m: 0.412,
-        end_2d_mean_m: 2.0,
-        end_share_mean: 0.024,
-        end_vertical_mean_m: 1.0,
+        rmse_2d_mean_m: 0.25,
+        rmse_2d_median_m: 0.25,
+        rmse_2d_worst_m: 0.35,
+        end_2d_mean_m: 1.0,
+        end_share_mean: 0.010,
+        end_vertical_mean_m: 0.5,
         path_ratio_off: 0.02,
     };
     /// Distance in space from first to last position of a walk that ends where it began, as a share of the path:
-    /// 0.25 m of 24.5 m and 0.6 m of 61.5 m.
-    pub const LOOP_END_SHARE: f64 = 0.0102;
+    /// 0.15 m of 24.5 m and 0.40 m of 61.5 m.
+    pub const LOOP_END_SHARE: f64 = 0.0061;
 }
 
 /// How a log is tracked.

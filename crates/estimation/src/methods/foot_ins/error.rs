@@ -37,6 +37,9 @@ pub enum FootInsError {
         /// Gravity at the site, m/s².
         expected: f64,
     },
+    /// The specific force at the start has no direction.
+    #[error("mean specific force at the start is zero or not a number: the sensor cannot be levelled")]
+    NoForce,
     /// The estimate has left the range of numbers.
     #[error("the estimate at {time} s is not finite any more")]
     Diverged {

@@ -188,10 +188,8 @@ impl FootIns {
     fn align(&mut self) -> Result<(), FootInsError> {
         let first = self.first.ok_or(FootInsError::Empty)?;
         let gravity = self.params.gravity_m_s2;
-        let aligned = self
-            .alignment
-            .align(gravity, self.params.declination_rad)
-            .ok_or(FootInsError::NotGravity { found: 0.0, expected: gravity })?;
+        let aligned =
+            self.alignment.align(gravity, self.params.declination_rad).ok_or(FootInsError::NoForce)?;
         if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
             return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
         }
@@ -211,13 +209,11 @@ impl FootIns {
     /// Predict, and in stance update: the method.
     fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Solution, FootInsError> {
         let filter = self.filter.as_mut().ok_or(FootInsError::Empty)?;
-        if let Some(gap) = filter.gap_before(imu) {
-            self.report.warn(FootInsWarning::Gap { time: imu.time, length_s: gap });
-        }
+        let gap = filter.gap_before(imu);
         filter.predict(imu);
         let corrections = filter.correct(imu, stance);
         let solution = filter.solution();
-        self.note(&solution, stance, &corrections)?;
+        self.note(&solution, gap, stance, &corrections)?;
         Ok(solution)
     }
 
@@ -225,9 +221,13 @@ impl FootIns {
     fn note(
         &mut self,
         solution: &Solution,
+        gap: Option<f64>,
         stance: &Stance,
         corrections: &Corrections,
     ) -> Result<(), FootInsError> {
+        if let Some(length_s) = gap {
+            self.report.warn(FootInsWarning::Gap { time: solution.time, length_s });
+        }
         self.report.count(stance, corrections.contact.as_ref().map(|update| &update.innovation));
         if solution.position_m.iter().all(|v| v.is_finite()) {
             Ok(())

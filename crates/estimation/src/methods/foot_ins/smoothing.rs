@@ -111,9 +111,10 @@ impl FixedLag {
 
     fn push(&mut self, imu: &ImuSample, stance: &Stance) -> Result<(), FootInsError> {
         let filter = self.method.filter.as_mut().ok_or(FootInsError::Empty)?;
+        let gap = filter.gap_before(imu);
         let record = record(filter, imu, stance);
         let solution = filter.solution();
-        self.method.note(&solution, stance, &record.corrections)?;
+        self.method.note(&solution, gap, stance, &record.corrections)?;
         self.records.push_back(record);
         // A backward pass over lag and a quarter of it releases that quarter: five steps back for every one forward.
         let block = Interval::from_nanos(self.lag.nanos() / 4);
