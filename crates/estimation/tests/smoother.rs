@@ -3,17 +3,20 @@
 
 mod support;
 
-use adit_core::nalgebra::{Cholesky, SMatrix, SVector, Vector3};
+use adit_core::attitude;
+use adit_core::nalgebra::{Cholesky, SMatrix, SVector};
 use adit_core::solution::Solution;
 use adit_core::time::Interval;
 use adit_estimation::inertial::covariance::{ATTITUDE, POSITION, STATES, VELOCITY};
 use adit_estimation::inertial::filter::{FilterState, Update};
 use adit_estimation::inertial::smoother::{Adjoint, Corrections, Record};
-use adit_estimation::methods::foot_ins::{FixedLag, FootFilter, FootIns, FootInsParams, smooth};
+use adit_estimation::methods::foot_ins::{
+    FixedLag, FootFilter, FootIns, FootInsParams, FootInsReport, smooth,
+};
 use adit_estimation::pedestrian::stance::{Detector, StanceDetector};
 use adit_observation::Observation;
 use support::walk::{Walk, run};
-use support::{Dense, difference, transition};
+use support::{Dense, transition};
 
 /// A filter just aligned, not yet moved.
 fn aligned(params: &FootInsParams, observations: &[Observation]) -> FootFilter {
@@ -111,10 +114,6 @@ fn reported(covariance: &Dense) -> SMatrix<f64, 9, 9> {
     SMatrix::from_fn(|i, j| covariance[(3 * order[i / 3] + i % 3, 3 * order[j / 3] + j % 3)])
 }
 
-fn attitude_error(a: &Solution, b: &FilterState) -> Vector3<f64> {
-    adit_core::attitude::log(&(a.attitude * b.navigation.attitude.inverse()))
-}
-
 /// Largest differences to Rauch, Tung and Striebel: position, velocity, attitude, and the covariance in units of the
 /// filtered standard deviations.
 fn differences(steps: &[Sample]) -> [f64; 4] {
@@ -131,7 +130,7 @@ fn differences(steps: &[Sample]) -> [f64; 4] {
         let here = [
             (found.position_m - n.position_m - block(POSITION)).norm(),
             (found.velocity_m_s - n.velocity_m_s - block(VELOCITY)).norm(),
-            (attitude_error(&found, &step.state) - block(ATTITUDE)).norm(),
+            (attitude::log(&(found.attitude * n.attitude.inverse())) - block(ATTITUDE)).norm(),
             spread.fold(0.0, f64::max),
         ];
         largest = core::array::from_fn(|i| largest[i].max(here[i]));
@@ -139,18 +138,12 @@ fn differences(steps: &[Sample]) -> [f64; 4] {
     largest
 }
 
-fn equals_rauch_tung_striebel(params: &FootInsParams, length_m: f64) {
-    let steps = forward(params, &Walk::straight(length_m, 1).unwrap());
+/// `differences` over a walk of 30 m: long enough for 24 stances to amplify what grows.
+fn differences_over_a_walk(params: &FootInsParams) -> [f64; 4] {
+    let steps = forward(params, &Walk::straight(30.0, 1).unwrap());
     let updates = steps.iter().filter(|s| s.record.corrections.contact.is_some()).count();
     assert!(updates > 50 && updates < steps.len(), "{updates} updates in {} samples", steps.len());
-    let [position, velocity, turned, spread] = differences(&steps);
-    // Both are linear in the same errors and differ by rounding alone, but for the attitude: a correction of some
-    // mrad is composed as rotations here and summed there.
-    assert!(position < 1e-9, "{position:e} m");
-    assert!(velocity < 1e-9, "{velocity:e} m/s");
-    assert!(turned < 1e-5, "{turned:e} rad");
-    // Inverting P, whose correlations have a condition of 1e6, costs the reference up to 1e-10.
-    assert!(spread < 1e-9, "{spread:e} of the filtered variance");
+    differences(&steps)
 }
 
 /// Noises of a filter that believes its stances: what weak updates forgive, strong ones do not.
@@ -167,15 +160,25 @@ fn trusting() -> FootInsParams {
 }
 
 #[test]
-#[ignore = "Adjoint::through_update lets the antisymmetric rounding of its matrix grow: symmetrise it there"]
-fn the_smoother_equals_rauch_tung_and_striebel() {
-    equals_rauch_tung_striebel(&FootInsParams::default(), 30.0);
+fn the_smoothed_path_is_that_of_rauch_tung_and_striebel() {
+    for params in [FootInsParams::default(), trusting()] {
+        let [position, velocity, turned, _] = differences_over_a_walk(&params);
+        // Both are linear in the same errors and differ by rounding alone, but for the attitude: a correction of some
+        // mrad is composed as rotations here and summed there.
+        assert!(position < 1e-9, "{position:e} m");
+        assert!(velocity < 1e-9, "{velocity:e} m/s");
+        assert!(turned < 1e-5, "{turned:e} rad");
+    }
 }
 
 #[test]
 #[ignore = "Adjoint::through_update lets the antisymmetric rounding of its matrix grow: symmetrise it there"]
-fn the_smoother_equals_rauch_tung_and_striebel_however_strong_the_updates() {
-    equals_rauch_tung_striebel(&trusting(), 30.0);
+fn the_smoothed_covariance_is_that_of_rauch_tung_and_striebel() {
+    for params in [FootInsParams::default(), trusting()] {
+        let [.., spread] = differences_over_a_walk(&params);
+        // Inverting P, whose correlations have a condition of 1e6, costs the reference up to 1e-10.
+        assert!(spread < 1e-9, "{spread:e} of the filtered variance");
+    }
 }
 
 #[test]
@@ -189,7 +192,6 @@ fn smoothing_never_makes_the_position_less_certain() {
         assert!(after <= before * (1.0 + 1e-9), "{after} after {before} m² at {} s", smoothed.time);
         gained += usize::from(after < 0.9 * before);
         assert!(Cholesky::new(smoothed.covariance).is_some(), "not positive definite at {} s", smoothed.time);
-        assert!(difference(&step.filtered, &step.filtered.transpose(), &step.filtered) < 1e-9);
     }
     assert!(gained > steps.len() / 4, "only {gained} of {} samples gain by a tenth", steps.len());
 }
@@ -235,10 +237,13 @@ fn smoothing_takes_the_jumps_out_of_the_path() {
 
 #[test]
 fn a_lag_longer_than_the_log_smooths_like_the_whole_log() {
-    let observations = Walk::straight(8.0, 4).unwrap().observations();
+    let mut observations = Walk::straight(8.0, 4).unwrap().observations();
+    // With a gap, of which both must warn.
+    observations.drain(900..1_000);
     let (whole, report) = smooth(FootInsParams::default(), &observations, &mut |_| ()).unwrap();
     let (lagged, lagged_report) = lagged(60.0, &observations);
     // The same operations in the same order.
+    assert_eq!(report.warnings.len(), 1);
     assert_eq!(lagged, whole);
     assert_eq!(lagged_report, report);
 }
@@ -258,18 +263,14 @@ fn a_fixed_lag_gives_one_solution_per_sample_in_order_and_approaches_the_whole()
     assert!(mean_m.is_sorted_by(|shorter, longer| shorter > longer), "{mean_m:?}");
 }
 
-fn lagged(
-    lag_s: f64,
-    observations: &[Observation],
-) -> (Vec<Solution>, adit_estimation::methods::foot_ins::FootInsReport) {
+fn lagged(lag_s: f64, observations: &[Observation]) -> (Vec<Solution>, FootInsReport) {
     let mut method = FixedLag::new(FootInsParams::default(), lag_s).unwrap();
     let mut solutions = Vec::new();
     for observation in observations {
         solutions.extend(method.observe(observation).unwrap());
     }
     solutions.extend(core::iter::from_fn(|| method.finish_next().unwrap()));
-    let report = method.report().clone();
-    (solutions, report)
+    (solutions, method.report().clone())
 }
 
 #[test]
