@@ -41,6 +41,9 @@ pub trait Tracker {
     /// Takes the next observation; a solution may be late and carries its own time.
     fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>>;
 
+    /// A further solution that the observations so far make due.
+    fn next_due(&mut self) -> Result<Option<Solution>>;
+
     /// Solutions still owed after the last observation, one by one.
     fn finish_next(&mut self) -> Result<Option<Solution>>;
 
@@ -120,6 +123,10 @@ impl Tracker for FootIns {
         Ok(Self::observe(self, observation)?)
     }
 
+    fn next_due(&mut self) -> Result<Option<Solution>> {
+        Ok(Self::next_due(self)?)
+    }
+
     fn finish_next(&mut self) -> Result<Option<Solution>> {
         Ok(Self::finish_next(self)?)
     }
@@ -132,6 +139,10 @@ impl Tracker for FootIns {
 impl Tracker for FixedLag {
     fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>> {
         Ok(Self::observe(self, observation)?)
+    }
+
+    fn next_due(&mut self) -> Result<Option<Solution>> {
+        Ok(Self::next_due(self))
     }
 
     fn finish_next(&mut self) -> Result<Option<Solution>> {

@@ -6,6 +6,7 @@ mod support;
 use adit_core::solution::Solution;
 use adit_estimation::methods::foot_ins::{FootIns, FootInsParams, HeadingAid};
 use adit_estimation::pedestrian::stance::Detector;
+use adit_observation::Observation;
 use support::walk::{Walk, run};
 
 const DETECTORS: [Detector; 5] =
@@ -111,4 +112,29 @@ fn the_memory_of_a_walker_does_not_grow_with_the_log() {
     );
     // A mine of a thousand walkers fits into 100 MB.
     assert!(bytes[settled] < 100_000, "{} bytes", bytes[settled]);
+}
+
+#[test]
+fn a_slower_rate_does_not_make_solutions_later() {
+    let walk = Walk::straight(6.0, 3).unwrap();
+    // 200 Hz for 4 s, then every fourth sample.
+    let slowing = |k: &usize| *k < 800 || k.is_multiple_of(4);
+    let samples: Vec<_> = (0..walk.samples.len()).filter(slowing).map(|k| walk.samples[k]).collect();
+    for (detector, look_ahead_s) in [(Detector::Shoe, 0.0125), (Detector::Adaptive, 0.5625)] {
+        let mut method = FootIns::new(with(detector)).unwrap();
+        let mut late = 0.0_f64;
+        for sample in &samples {
+            let mut solution = method.observe(&Observation::Imu(*sample)).unwrap();
+            let mut newest = None;
+            while let Some(due) = solution {
+                newest = Some(due.time);
+                solution = method.next_due().unwrap();
+            }
+            if let Some(newest) = newest {
+                late = late.max((sample.time - newest).seconds());
+            }
+        }
+        // One sample at 50 Hz of slack.
+        assert!(late < look_ahead_s + 0.021, "{detector:?}: {late} s");
+    }
 }

@@ -98,10 +98,11 @@ fn filter(
     let (mut inertial_samples, mut count) = (0, 0_u64);
     while let Some(observation) = stream.next()? {
         inertial_samples += u64::from(matches!(observation, Observation::Imu(_)));
-        let solution = tracker.observe(&observation);
-        let solution = solution.with_context(|| format!("{}: at {} s", stream.name(), observation.time()))?;
-        if let Some(solution) = solution {
-            outputs.push(&solution)?;
+        let place = || format!("{}: at {} s", stream.name(), observation.time());
+        let mut solution = tracker.observe(&observation).with_context(place)?;
+        while let Some(due) = solution {
+            outputs.push(&due)?;
+            solution = tracker.next_due().with_context(place)?;
         }
         count += 1;
         if count.is_multiple_of(PULSE) {

@@ -126,6 +126,18 @@ impl Adjoint {
                 self.matrix[*row][*column] += left.transpose() * inner * right;
             }
         }
+        self.symmetrise();
+    }
+
+    /// The update above is right only for a symmetric matrix: rounding that is not would double at every update.
+    fn symmetrise(&mut self) {
+        for row in 0..BLOCKS {
+            for column in row..BLOCKS {
+                let mean = (self.matrix[row][column] + self.matrix[column][row].transpose()) * 0.5;
+                self.matrix[row][column] = mean;
+                self.matrix[column][row] = mean.transpose();
+            }
+        }
     }
 
     /// `x̂ − P λ` and `P − P Λ P`, the latter for what a solution reports.

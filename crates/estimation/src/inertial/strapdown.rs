@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! φ    = Δθ + 1/12 Δθ₋₁ × Δθ                                   coning   (Savage 1998 part 1, eq. 42; Bortz 1971)
-//! Δv_b = Δv + 1/2 Δθ × Δv + 1/12 (Δθ₋₁ × Δv + Δv₋₁ × Δθ)       rotation + sculling (Savage 1998 part 2, eq. 19–24)
+//! Δv_b = Δv + 1/2 Δθ × Δv + 1/6 Δθ × (Δθ × Δv)                 rotation (exact to third order at constant rate)
+//!      + 1/12 (Δθ₋₁ × Δv + Δv₋₁ × Δθ)                          sculling (Savage 1998 part 2, eq. 19–24)
 //! v    ← v + C_b^n Δv_b − g dt        p ← p + (v₋₁ + v)/2 dt        q ← q ∘ exp(φ)
 //! ```
 //!
@@ -74,7 +75,8 @@ impl NavigationState {
     ) -> Step {
         let coning = before.angle.cross(&now.angle) / 12.0;
         let sculling = (before.angle.cross(&now.velocity) + before.velocity.cross(&now.angle)) / 12.0;
-        let velocity_body = now.velocity + 0.5 * now.angle.cross(&now.velocity) + sculling;
+        let turned = now.angle.cross(&now.velocity);
+        let velocity_body = now.velocity + 0.5 * turned + now.angle.cross(&turned) / 6.0 + sculling;
 
         let rotation = self.attitude.to_rotation_matrix().into_inner();
         let velocity_gained = rotation * velocity_body;

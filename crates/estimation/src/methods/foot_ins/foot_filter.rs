@@ -37,6 +37,8 @@ pub struct FootFilter {
     /// Time since the last zero-velocity update that was tried, and since the last that was accepted, s.
     since_update_s: f64,
     since_accepted_s: f64,
+    /// Time since the first credible stance that the gate refused, none since the last accepted one, s.
+    since_refused_s: Option<f64>,
     /// Time since the last zero-rate and the last gravity update, s.
     since_rate_s: f64,
     since_gravity_s: f64,
@@ -72,6 +74,7 @@ impl FootFilter {
             interval_s: 0.0,
             since_update_s: LONG_AGO_S,
             since_accepted_s: 0.0,
+            since_refused_s: None,
             since_rate_s: LONG_AGO_S,
             since_gravity_s: LONG_AGO_S,
             at_rest_s: 0.0,
@@ -94,6 +97,7 @@ impl FootFilter {
         self.interval_s = interval_s;
         self.since_update_s += interval_s;
         self.since_accepted_s += interval_s;
+        self.since_refused_s = self.since_refused_s.map(|since| since + interval_s);
         self.since_rate_s += interval_s;
         self.since_gravity_s += interval_s;
         if let Some(gap_s) = gap {
@@ -113,7 +117,10 @@ impl FootFilter {
         }
         self.since_update_s = 0.0;
 
-        let gate_open = self.at_rest_s >= z.rest_s || self.since_accepted_s > z.patience_s;
+        // Two stances in a row that the state denies: the state is wrong, not the foot.
+        let credible = stance.statistic < z.credible_statistic;
+        let second_refused = credible && self.since_refused_s.is_some_and(|since| since > z.second_stance_s);
+        let gate_open = second_refused || self.at_rest_s >= z.rest_s || self.since_accepted_s > z.patience_s;
         let gate = if gate_open { f64::INFINITY } else { z.gate_nis };
         let contact = ContactVelocity {
             angular_rate_rad_s: imu.angular_rate_rad_s,
@@ -122,9 +129,13 @@ impl FootFilter {
         };
         corrections.contact = self.inertial.update(&contact.linearise(&self.inertial.state), gate);
         if !corrections.contact.as_ref().is_some_and(|update| update.innovation.accepted) {
+            if credible {
+                self.since_refused_s.get_or_insert(0.0);
+            }
             return corrections;
         }
         self.since_accepted_s = 0.0;
+        self.since_refused_s = None;
 
         let r = &self.params.zero_rate;
         if stance.statistic < r.statistic && self.since_rate_s >= r.interval_s - SLACK_S {

@@ -115,8 +115,18 @@ impl FootIns {
     }
 
     /// One observation in, at most one solution out, later by the look-ahead of the detector.
+    ///
+    /// Where samples come slower than before, more than one may be due: [`Self::next_due`] hands out the rest.
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
         match self.take(observation)? {
+            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// A further solution that the observations so far make due, if any.
+    pub fn next_due(&mut self) -> Result<Option<Solution>, FootInsError> {
+        match self.filter.is_some().then(|| self.detector.pop()).flatten() {
             Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
             None => Ok(None),
         }

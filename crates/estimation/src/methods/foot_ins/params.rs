@@ -71,6 +71,10 @@ pub struct ZeroVelocityParams {
     pub gate_nis: f64,
     /// Time without an accepted update after which the gate opens, s: the gate cannot lock itself out.
     pub patience_s: f64,
+    /// Stance statistic below which a stance is credible: a second one that is refused opens the gate.
+    pub credible_statistic: f64,
+    /// Time from the first refused credible stance to the one that opens the gate, s: longer than a stance.
+    pub second_stance_s: f64,
     /// Stance statistic below which a foot is at rest, not only in stance.
     pub rest_statistic: f64,
     /// Time at rest after which the gate opens, s.
@@ -166,6 +170,8 @@ impl FootInsParams {
             ("zero_velocity.interval_s", not_negative(z.interval_s)),
             ("zero_velocity.gate_nis", positive(z.gate_nis)),
             ("zero_velocity.patience_s", not_negative(z.patience_s)),
+            ("zero_velocity.credible_statistic", not_negative(z.credible_statistic)),
+            ("zero_velocity.second_stance_s", not_negative(z.second_stance_s)),
             ("zero_velocity.rest_statistic", not_negative(z.rest_statistic)),
             ("zero_velocity.rest_s", not_negative(z.rest_s)),
             ("zero_rate.statistic", not_negative(self.zero_rate.statistic)),
@@ -240,6 +246,8 @@ impl Default for ZeroVelocityParams {
             interval_s: 0.01,
             gate_nis: 5.0,
             patience_s: 4.0,
+            credible_statistic: 20.0,
+            second_stance_s: 0.6,
             rest_statistic: 2.0,
             rest_s: 0.3,
         }

@@ -86,10 +86,17 @@ impl FixedLag {
 
     /// One observation in, at most one solution out.
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
-        if let Some((imu, stance)) = self.method.take(observation)? {
+        let mut due = self.method.take(observation)?;
+        while let Some((imu, stance)) = due {
             self.push(&imu, &stance)?;
+            due = self.method.detector.pop();
         }
         Ok(self.ready.pop_front())
+    }
+
+    /// A further solution that the observations so far make due, if any.
+    pub fn next_due(&mut self) -> Option<Solution> {
+        self.ready.pop_front()
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
