@@ -15,7 +15,15 @@ fn the_demo_makes_its_own_walk_and_figures() {
         assert!(outcome.stdout.contains(word), "{word}: {}", outcome.stdout);
     }
     let made = folder.path().join("out/demo");
-    let expected = ["estimate.csv", "estimate.tum", "evaluation.svg", "log.mcap", "path.svg", "truth.tum"];
+    let expected = [
+        "estimate.csv",
+        "estimate.tum",
+        "evaluation.svg",
+        "filter.toml",
+        "log.mcap",
+        "path.svg",
+        "truth.tum",
+    ];
     assert_eq!(files(&made), expected.map(PathBuf::from));
     for figure in ["path.svg", "evaluation.svg"] {
         let text = std::fs::read_to_string(made.join(figure)).unwrap();

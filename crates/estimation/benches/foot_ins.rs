@@ -2,7 +2,6 @@
 //!
 //! The log is the example walk of the simulator at 200 Hz with the errors of an ADIS16448: 150 s, 119 m, 35 % at rest.
 
-#![expect(missing_docs, reason = "criterion's macros make undocumented items")]
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run should stop")]
 
 use adit_core::attitude::Attitude;

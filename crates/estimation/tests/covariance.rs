@@ -11,7 +11,7 @@ use adit_estimation::inertial::covariance::{
 };
 use adit_estimation::inertial::filter::FilterState;
 use adit_estimation::inertial::strapdown::Increment;
-use adit_estimation::kalman::Linearised;
+use adit_estimation::kalman::{Derivative, Linearised};
 use proptest::prelude::*;
 use support::{Dense, Draws, at_rest, difference, initial_covariance, sample, transition};
 
@@ -50,7 +50,7 @@ fn measurement<const N: usize>(draws: &mut Draws, sigma: f64) -> Linearised<N> {
     order.sort_by(|a, b| keys[*a].total_cmp(&keys[*b]));
     Linearised {
         residual: draws.vector(sigma),
-        jacobian: core::array::from_fn(|i| (order[i], draws.matrix())),
+        jacobian: core::array::from_fn(|i| (order[i], Derivative::Matrix(draws.matrix()))),
         noise: draws.variance(sigma * sigma),
     }
 }
@@ -58,7 +58,7 @@ fn measurement<const N: usize>(draws: &mut Draws, sigma: f64) -> Linearised<N> {
 fn dense_jacobian<const N: usize>(measurement: &Linearised<N>) -> SMatrix<f64, 3, STATES> {
     let mut h = SMatrix::<f64, 3, STATES>::zeros();
     for (block, jacobian) in &measurement.jacobian {
-        h.fixed_view_mut::<3, 3>(0, 3 * block).copy_from(jacobian);
+        h.fixed_view_mut::<3, 3>(0, 3 * block).copy_from(&jacobian.matrix());
     }
     h
 }
@@ -141,8 +141,8 @@ proptest! {
         let mut covariance = correlated(&mut draws);
         let seen = measurement::<2>(&mut draws, 0.05);
         let (innovation, mut gain) = covariance.innovation(&seen).unwrap();
-        gain.inverse *= weight;
-        let (p, h, k) = (covariance.to_matrix(), dense_jacobian(&seen), stacked(&gain.matrix()));
+        gain.gain.iter_mut().for_each(|block| *block *= weight);
+        let (p, h, k) = (covariance.to_matrix(), dense_jacobian(&seen), stacked(&gain.gain));
         let rest = Dense::identity() - k * h;
         let joseph = rest * p * rest.transpose() + k * seen.noise * k.transpose();
         covariance.update(&innovation, &gain);
@@ -156,8 +156,11 @@ fn a_measurement_without_meaning_is_refused() {
     let mut draws = Draws::new(1);
     let covariance = correlated(&mut draws);
     let good = measurement::<1>(&mut draws, 0.1);
-    let blind =
-        Linearised { jacobian: [(VELOCITY, Matrix3::zeros())], noise: Matrix3::zeros(), ..good.clone() };
+    let blind = Linearised {
+        jacobian: [(VELOCITY, Derivative::Matrix(Matrix3::zeros()))],
+        noise: Matrix3::zeros(),
+        ..good.clone()
+    };
     let lost = Linearised { residual: Vector3::new(f64::NAN, 0.0, 0.0), ..good };
     assert!(covariance.innovation(&blind).is_none());
     assert!(covariance.innovation(&lost).is_none());
@@ -241,9 +244,9 @@ fn the_covariance_stays_symmetric_and_positive_definite_over_a_shift() {
         covariance.propagate(&step, &process);
         // A quarter of the time in stance, with what a stance tells.
         if k % 200 >= 150 && k % 2 == 0 {
-            let lever = (CONTACT, draws.matrix());
-            let velocity = (VELOCITY, Matrix3::identity());
-            let tilt = (ATTITUDE, attitude::skew(&draws.vector(0.1)));
+            let lever = (CONTACT, Derivative::Matrix(draws.matrix()));
+            let velocity = (VELOCITY, Derivative::Identity);
+            let tilt = (ATTITUDE, Derivative::Matrix(attitude::skew(&draws.vector(0.1))));
             let seen = Linearised {
                 residual: draws.vector(0.01),
                 jacobian: [tilt, velocity, lever],

@@ -61,7 +61,8 @@ fn forward(params: &FootInsParams, walk: &Walk) -> Vec<Sample> {
         .map(|(imu, stance)| {
             let step = filter.predict(&imu);
             let (state, covariance) = (*filter.state(), filter.covariance().clone());
-            let all = filter.correct(&imu, &stance);
+            let mut all = Corrections::default();
+            filter.correct(&imu, &stance, &mut all);
             Sample {
                 transition: transition(&step),
                 predicted: covariance.to_matrix(),

@@ -120,6 +120,16 @@ impl Covariance {
         if row <= column { self.upper[at(row, column)] } else { self.upper[at(column, row)].transpose() }
     }
 
+    /// Covariance of one axis of a block with one axis of another.
+    #[inline]
+    pub fn element(&self, row: usize, row_axis: usize, column: usize, column_axis: usize) -> f64 {
+        if row <= column {
+            self.upper[at(row, column)][(row_axis, column_axis)]
+        } else {
+            self.upper[at(column, row)][(column_axis, row_axis)]
+        }
+    }
+
     /// Adds to the covariance of one block.
     pub fn inflate(&mut self, block: usize, variance: &Matrix3<f64>) {
         self.upper[at(block, block)] += variance;
@@ -191,57 +201,55 @@ impl Covariance {
     /// Predicted innovation of a measurement: `S = H P Hᵀ + R` and its χ² against the residual.
     ///
     /// `None` when `S` is not invertible (a covariance that is not finite, or a measurement without noise).
-    #[inline]
+    #[inline(always)]
+    #[expect(
+        clippy::inline_always,
+        reason = "returns 1 kB by value, which is copied unless the call disappears"
+    )]
     pub fn innovation<const N: usize>(&self, measurement: &Linearised<N>) -> Option<(Innovation, Gain)> {
         let cross: [Matrix3<f64>; BLOCKS] = core::array::from_fn(|block| {
-            measurement
-                .jacobian
-                .iter()
-                .fold(Matrix3::zeros(), |sum, (column, h)| sum + self.block(block, *column) * h.transpose())
+            measurement.jacobian.iter().fold(Matrix3::zeros(), |sum, (column, h)| {
+                sum + h.right_transposed(&self.block(block, *column))
+            })
         });
         let predicted =
-            measurement.jacobian.iter().fold(measurement.noise, |sum, (row, h)| sum + h * cross[*row]);
+            measurement.jacobian.iter().fold(measurement.noise, |sum, (row, h)| sum + h.left(&cross[*row]));
         let inverse = predicted.try_inverse()?;
         let nis = measurement.residual.dot(&(inverse * measurement.residual));
         let innovation =
             Innovation { value: measurement.residual, covariance: predicted, nis, accepted: true };
-        nis.is_finite().then_some((innovation, Gain { cross, inverse }))
+        let gain = core::array::from_fn(|block| cross[block] * inverse);
+        nis.is_finite().then_some((innovation, Gain { cross, gain, inverse }))
     }
 
     /// Updates the covariance with the gain of [`Self::innovation`] and returns the correction `K v`.
     ///
-    /// Joseph's form `(I−KH) P (I−KH)ᵀ + K R Kᵀ`, expanded to `P − K M ᵀ − (M − K S) Kᵀ` with `M = P Hᵀ`
-    /// (Bucy & Joseph 1968): exact for any gain, and symmetric because only one triangle exists.
+    /// Joseph's form `(I−KH) P (I−KH)ᵀ + K R Kᵀ = P − K M ᵀ − M Kᵀ + K S Kᵀ` with `M = P Hᵀ` (Bucy & Joseph 1968),
+    /// written as `P − (K Nᵀ + N Kᵀ)` with `N = M − K S / 2`: exact for any gain, and symmetric as it stands.
     #[inline]
     pub fn update(&mut self, innovation: &Innovation, gain: &Gain) -> ErrorVector {
-        let k = gain.matrix();
-        let rest: [Matrix3<f64>; BLOCKS] =
-            core::array::from_fn(|block| gain.cross[block] - k[block] * innovation.covariance);
+        let k = &gain.gain;
+        let half = innovation.covariance * 0.5;
+        let n: [Matrix3<f64>; BLOCKS] = core::array::from_fn(|block| gain.cross[block] - k[block] * half);
         for row in 0..BLOCKS {
-            for column in row..BLOCKS {
+            let product = k[row] * n[row].transpose();
+            self.upper[at(row, row)] -= product + product.transpose();
+            for column in row + 1..BLOCKS {
                 self.upper[at(row, column)] -=
-                    k[row] * gain.cross[column].transpose() + rest[row] * k[column].transpose();
+                    k[row] * n[column].transpose() + n[row] * k[column].transpose();
             }
-            let diagonal = &mut self.upper[at(row, row)];
-            *diagonal = (*diagonal + diagonal.transpose()) * 0.5;
         }
         core::array::from_fn(|block| k[block] * innovation.value)
     }
 }
 
-/// What an update needs: `M = P Hᵀ` in blocks and `S⁻¹`.
+/// What an update needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gain {
-    /// `P Hᵀ`, six 3×3 blocks.
+    /// `M = P Hᵀ`, six 3×3 blocks.
     pub cross: [Matrix3<f64>; BLOCKS],
+    /// Kalman gain `K = P Hᵀ S⁻¹`, six 3×3 blocks.
+    pub gain: [Matrix3<f64>; BLOCKS],
     /// `S⁻¹`.
     pub inverse: Matrix3<f64>,
-}
-
-impl Gain {
-    /// Kalman gain `K = P Hᵀ S⁻¹`, six 3×3 blocks.
-    #[inline]
-    pub fn matrix(&self) -> [Matrix3<f64>; BLOCKS] {
-        core::array::from_fn(|block| self.cross[block] * self.inverse)
-    }
 }

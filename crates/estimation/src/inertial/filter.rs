@@ -4,7 +4,7 @@ use crate::inertial::covariance::{
     ACC_BIAS, ATTITUDE, CONTACT, Covariance, ErrorVector, GYRO_BIAS, POSITION, ProcessNoise, VELOCITY,
 };
 use crate::inertial::strapdown::{Increment, NavigationState, Step};
-use crate::kalman::{Innovation, Linearised};
+use crate::kalman::{Derivative, Innovation, Linearised};
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
@@ -35,20 +35,18 @@ impl FilterState {
     }
 
     /// Solution with the part of the covariance that belongs to it.
+    #[inline]
     pub fn solution(&self, time: Time, covariance: &Covariance, quality: Quality) -> Solution {
         const ORDER: [usize; 3] = [POSITION, VELOCITY, ATTITUDE];
-        let mut reported = SolutionCovariance::zeros();
-        for (i, row) in ORDER.iter().enumerate() {
-            for (j, column) in ORDER.iter().enumerate() {
-                reported.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&covariance.block(*row, *column));
-            }
-        }
+        // Filled in place, element by element: a copy of the finished matrix would wait for every store before it.
         Solution {
             time,
             position_m: self.navigation.position_m,
             velocity_m_s: self.navigation.velocity_m_s,
             attitude: self.navigation.attitude,
-            covariance: reported,
+            covariance: SolutionCovariance::from_fn(|row, column| {
+                covariance.element(ORDER[row / 3], row % 3, ORDER[column / 3], column % 3)
+            }),
             quality,
         }
     }
@@ -83,21 +81,24 @@ impl InertialFilter {
 
     /// Updates with a measurement whose normalised innovation squared is at most `gate`; reports it either way.
     ///
+    /// What the smoother needs goes to `record`; a recorder that keeps nothing costs nothing.
     /// `None` when the innovation covariance cannot be inverted: the measurement is then left out.
     #[inline]
-    pub fn update<const N: usize>(&mut self, measurement: &Linearised<N>, gate: f64) -> Option<Update<N>> {
+    pub fn update<const N: usize>(
+        &mut self,
+        measurement: &Linearised<N>,
+        gate: f64,
+        record: impl FnOnce(Update<N>),
+    ) -> Option<Innovation> {
         let (mut innovation, gain) = self.covariance.innovation(measurement)?;
         innovation.accepted = innovation.nis <= gate;
         if innovation.accepted {
             let correction = self.covariance.update(&innovation, &gain);
             self.state.correct(&correction);
         }
-        Some(Update {
-            innovation,
-            jacobian: measurement.jacobian,
-            gain: gain.matrix(),
-            inverse: gain.inverse,
-        })
+        let jacobian = measurement.jacobian;
+        record(Update { innovation, jacobian, gain: gain.gain, inverse: gain.inverse });
+        Some(innovation)
     }
 }
 
@@ -107,7 +108,7 @@ pub struct Update<const N: usize> {
     /// Residual, its covariance, and whether it was used.
     pub innovation: Innovation,
     /// `H` in blocks.
-    pub jacobian: [(usize, Matrix3<f64>); N],
+    pub jacobian: [(usize, Derivative); N],
     /// `K` in blocks.
     pub gain: [Matrix3<f64>; crate::inertial::covariance::BLOCKS],
     /// `S⁻¹`.

@@ -55,6 +55,38 @@ pub struct Corrections {
     pub heading: Option<Update<1>>,
 }
 
+/// Takes what the updates did, for a smoother; the unit type keeps nothing.
+pub trait Recorder {
+    /// Takes an update with the velocity of the contact.
+    fn contact(&mut self, _update: Update<3>) {}
+    /// Takes an update with the angular rate at rest.
+    fn rate(&mut self, _update: Update<1>) {}
+    /// Takes an update with gravity at rest.
+    fn gravity(&mut self, _update: Update<2>) {}
+    /// Takes an update with the heading of a straight leg.
+    fn heading(&mut self, _update: Update<1>) {}
+}
+
+impl Recorder for () {}
+
+impl Recorder for Corrections {
+    fn contact(&mut self, update: Update<3>) {
+        self.contact = Some(update);
+    }
+
+    fn rate(&mut self, update: Update<1>) {
+        self.rate = Some(update);
+    }
+
+    fn gravity(&mut self, update: Update<2>) {
+        self.gravity = Some(update);
+    }
+
+    fn heading(&mut self, update: Update<1>) {
+        self.heading = Some(update);
+    }
+}
+
 /// Adjoint of the error state, running backward in time.
 #[derive(Debug, Clone)]
 pub struct Adjoint {
@@ -106,7 +138,8 @@ impl Adjoint {
             .fold(update.inverse * update.innovation.value, |sum, (gain, adjoint)| {
                 sum + gain.transpose() * adjoint
             });
-        for (block, jacobian) in &update.jacobian {
+        let jacobian = update.jacobian.map(|(block, derivative)| (block, derivative.matrix()));
+        for (block, jacobian) in &jacobian {
             self.vector[*block] -= jacobian.transpose() * pulled;
         }
 
@@ -114,15 +147,15 @@ impl Adjoint {
         let seen: [Matrix3<f64>; BLOCKS] =
             core::array::from_fn(|row| sum(|k| self.matrix[row][k] * update.gain[k]));
         let inner = sum(|k| update.gain[k].transpose() * seen[k]) + update.inverse;
-        for (block, jacobian) in &update.jacobian {
+        for (block, jacobian) in &jacobian {
             for (row, seen) in seen.iter().enumerate() {
                 let cross = seen * jacobian;
                 self.matrix[row][*block] -= cross;
                 self.matrix[*block][row] -= cross.transpose();
             }
         }
-        for (row, left) in &update.jacobian {
-            for (column, right) in &update.jacobian {
+        for (row, left) in &jacobian {
+            for (column, right) in &jacobian {
                 self.matrix[*row][*column] += left.transpose() * inner * right;
             }
         }

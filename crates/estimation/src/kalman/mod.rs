@@ -6,6 +6,43 @@
 use adit_core::nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+/// Derivative of a residual by one 3-vector of the error state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Derivative {
+    /// The identity: the residual is that error itself. A third of all products of an update are spared by knowing it.
+    Identity,
+    /// Any 3×3 matrix.
+    Matrix(Matrix3<f64>),
+}
+
+impl Derivative {
+    /// `m Hᵀ`.
+    #[inline]
+    pub fn right_transposed(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
+        match self {
+            Self::Identity => *m,
+            Self::Matrix(h) => m * h.transpose(),
+        }
+    }
+
+    /// `H m`.
+    #[inline]
+    pub fn left(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
+        match self {
+            Self::Identity => *m,
+            Self::Matrix(h) => h * m,
+        }
+    }
+
+    /// `H` itself.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        match self {
+            Self::Identity => Matrix3::identity(),
+            Self::Matrix(h) => *h,
+        }
+    }
+}
+
 /// A three-dimensional measurement, linearised at the present state: `residual ≈ Σ jacobian δx + noise`.
 ///
 /// `N` is the number of 3-vectors of the error state that the measurement depends on.
@@ -13,8 +50,8 @@ use serde::{Deserialize, Serialize};
 pub struct Linearised<const N: usize> {
     /// Measured minus predicted.
     pub residual: Vector3<f64>,
-    /// Derivative of the residual by each block of the error state: (index of the block, 3×3).
-    pub jacobian: [(usize, Matrix3<f64>); N],
+    /// Derivative of the residual by each block of the error state that it depends on: (index of the block, 3×3).
+    pub jacobian: [(usize, Derivative); N],
     /// Covariance of the measurement noise, 3×3.
     pub noise: Matrix3<f64>,
 }

@@ -6,7 +6,7 @@
 //! it is off by default.
 
 use crate::inertial::covariance::ATTITUDE;
-use crate::kalman::Linearised;
+use crate::kalman::{Derivative, Linearised};
 use adit_core::attitude::angle_difference;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::time::Time;
@@ -57,7 +57,7 @@ impl StraightLegs {
         }
         Some(Linearised {
             residual: Vector3::new(0.0, 0.0, -deviation),
-            jacobian: [(ATTITUDE, Matrix3::from_diagonal(&Vector3::z()))],
+            jacobian: [(ATTITUDE, Derivative::Matrix(Matrix3::from_diagonal(&Vector3::z())))],
             noise: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, SWAY_RAD * SWAY_RAD)),
         })
     }

@@ -169,6 +169,7 @@ impl StanceDetector {
     }
 
     /// Takes one sample; times must rise.
+    #[inline]
     pub fn push(&mut self, sample: ImuSample) {
         self.samples.push_back(Entry {
             sample,
@@ -180,6 +181,7 @@ impl StanceDetector {
     }
 
     /// The next sample whose window and reach are complete, with its stance.
+    #[inline]
     pub fn pop(&mut self) -> Option<(ImuSample, Stance)> {
         let latest = self.samples.back()?.sample.time;
         self.pop_until(Some(latest))
@@ -252,6 +254,7 @@ impl StanceDetector {
         (acc * acc_weight + gyro * gyro_weight) / count
     }
 
+    #[inline]
     fn pop_until(&mut self, latest: Option<Time>) -> Option<(ImuSample, Stance)> {
         let &Entry { sample, statistic, .. } = self.samples.get(self.departed)?;
         if self.departed >= self.judged {

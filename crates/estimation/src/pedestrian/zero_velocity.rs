@@ -14,7 +14,7 @@
 
 use crate::inertial::covariance::{ACC_BIAS, ATTITUDE, CONTACT, GYRO_BIAS, VELOCITY};
 use crate::inertial::filter::FilterState;
-use crate::kalman::Linearised;
+use crate::kalman::{Derivative, Linearised};
 use adit_core::attitude::skew;
 use adit_core::nalgebra::{Matrix3, Vector3};
 
@@ -42,9 +42,9 @@ impl ContactVelocity {
         Linearised {
             residual: expected - state.navigation.velocity_m_s,
             jacobian: [
-                (ATTITUDE, skew(&expected)),
-                (VELOCITY, Matrix3::identity()),
-                (CONTACT, rotation * skew(&-rate)),
+                (ATTITUDE, Derivative::Matrix(skew(&expected))),
+                (VELOCITY, Derivative::Identity),
+                (CONTACT, Derivative::Matrix(rotation * skew(&-rate))),
             ],
             noise: Matrix3::identity() * (self.sigma_m_s * self.sigma_m_s) + across * lever_variance,
         }
@@ -66,7 +66,7 @@ impl ZeroRate {
     pub fn linearise(&self, state: &FilterState) -> Linearised<1> {
         Linearised {
             residual: self.angular_rate_rad_s - state.navigation.gyro_bias_rad_s,
-            jacobian: [(GYRO_BIAS, Matrix3::identity())],
+            jacobian: [(GYRO_BIAS, Derivative::Identity)],
             noise: Matrix3::identity() * (self.sigma_rad_s * self.sigma_rad_s),
         }
     }
@@ -91,7 +91,10 @@ impl RestGravity {
         let force = rotation * (self.specific_force_m_s2 - state.navigation.acc_bias_m_s2);
         Linearised {
             residual: Vector3::new(0.0, 0.0, self.gravity_m_s2) - force,
-            jacobian: [(ATTITUDE, skew(&-force)), (ACC_BIAS, -rotation)],
+            jacobian: [
+                (ATTITUDE, Derivative::Matrix(skew(&-force))),
+                (ACC_BIAS, Derivative::Matrix(-rotation)),
+            ],
             noise: Matrix3::identity() * (self.sigma_m_s2 * self.sigma_m_s2),
         }
     }

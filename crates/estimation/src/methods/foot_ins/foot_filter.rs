@@ -4,8 +4,9 @@ use super::params::{FootInsParams, HeadingAid};
 use crate::inertial::alignment::Aligned;
 use crate::inertial::covariance::{ATTITUDE, Covariance, POSITION, VELOCITY};
 use crate::inertial::filter::{FilterState, InertialFilter};
-use crate::inertial::smoother::Corrections;
+use crate::inertial::smoother::Recorder;
 use crate::inertial::strapdown::{NavigationState, Step};
+use crate::kalman::Innovation;
 use crate::pedestrian::heading::StraightLegs;
 use crate::pedestrian::stance::Stance;
 use crate::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
@@ -107,13 +108,19 @@ impl FootFilter {
     }
 
     /// In stance: velocity of the contact, then zero rate and gravity if the foot is still enough.
-    pub fn correct(&mut self, imu: &ImuSample, stance: &Stance) -> Corrections {
-        let mut corrections = Corrections::default();
+    ///
+    /// Returns the innovation of the contact velocity, used or not; `recorder` hears of every update.
+    pub fn correct(
+        &mut self,
+        imu: &ImuSample,
+        stance: &Stance,
+        recorder: &mut impl Recorder,
+    ) -> Option<Innovation> {
         let z = &self.params.zero_velocity;
         self.at_rest_s =
             if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
         if !stance.is_still() || self.since_update_s < z.interval_s - SLACK_S {
-            return corrections;
+            return None;
         }
         self.since_update_s = 0.0;
 
@@ -127,12 +134,13 @@ impl FootFilter {
             sigma_m_s: self.contact_sigma_m_s(stance),
             lever_sigma_m: z.lever_sigma_m,
         };
-        corrections.contact = self.inertial.update(&contact.linearise(&self.inertial.state), gate);
-        if !corrections.contact.as_ref().is_some_and(|update| update.innovation.accepted) {
+        let contact = contact.linearise(&self.inertial.state);
+        let innovation = self.inertial.update(&contact, gate, |update| recorder.contact(update))?;
+        if !innovation.accepted {
             if credible {
                 self.since_refused_s.get_or_insert(0.0);
             }
-            return corrections;
+            return Some(innovation);
         }
         self.since_accepted_s = 0.0;
         self.since_refused_s = None;
@@ -144,8 +152,8 @@ impl FootFilter {
             let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
             let zero_rate =
                 ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
-            corrections.rate =
-                self.inertial.update(&zero_rate.linearise(&self.inertial.state), f64::INFINITY);
+            let zero_rate = zero_rate.linearise(&self.inertial.state);
+            self.inertial.update(&zero_rate, f64::INFINITY, |update| recorder.rate(update));
         }
         let g = &self.params.rest_gravity;
         if stance.statistic < g.statistic && self.since_gravity_s >= g.interval_s - SLACK_S {
@@ -155,20 +163,26 @@ impl FootFilter {
                 sigma_m_s2: g.sigma_m_s2,
                 gravity_m_s2: self.params.gravity_m_s2,
             };
-            corrections.gravity =
-                self.inertial.update(&gravity.linearise(&self.inertial.state), f64::INFINITY);
+            let gravity = gravity.linearise(&self.inertial.state);
+            self.inertial.update(&gravity, f64::INFINITY, |update| recorder.gravity(update));
         }
         if let Some(legs) = &mut self.straight_legs
             && let Some(heading) = legs.observe(self.time, &self.inertial.state.navigation.position_m)
         {
-            corrections.heading = self.inertial.update(&heading, f64::INFINITY);
+            self.inertial.update(&heading, f64::INFINITY, |update| recorder.heading(update));
         }
-        corrections
+        Some(innovation)
     }
 
     /// The estimate as a solution.
+    #[inline]
     pub fn solution(&self) -> Solution {
         self.inertial.state.solution(self.time, &self.inertial.covariance, self.quality())
+    }
+
+    /// True while the position is a number.
+    pub fn is_finite(&self) -> bool {
+        self.inertial.state.navigation.position_m.iter().all(|v| v.is_finite())
     }
 
     /// How far the estimate can be trusted.

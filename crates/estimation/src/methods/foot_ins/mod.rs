@@ -26,7 +26,6 @@ pub use params::{
 pub use smoothing::{FixedLag, smooth};
 
 use crate::inertial::alignment::RestAlignment;
-use crate::inertial::smoother::Corrections;
 use crate::kalman::Innovation;
 use crate::pedestrian::stance::{Stance, StanceDetector};
 use adit_core::solution::Solution;
@@ -77,7 +76,19 @@ impl FootInsReport {
         (self.accepted_updates > 0).then(|| self.accepted_nis_sum / self.accepted_updates as f64)
     }
 
-    fn count(&mut self, stance: &Stance, innovation: Option<&Innovation>) {
+    /// Counts what was done and stops at an estimate that is no number any more.
+    #[inline]
+    fn note(
+        &mut self,
+        time: Time,
+        gap: Option<f64>,
+        stance: &Stance,
+        innovation: Option<&Innovation>,
+        finite: bool,
+    ) -> Result<(), FootInsError> {
+        if let Some(length_s) = gap {
+            self.warn(FootInsWarning::Gap { time, length_s });
+        }
         self.samples += 1;
         self.still_samples += u64::from(stance.is_still());
         match innovation {
@@ -88,6 +99,7 @@ impl FootInsReport {
             Some(_) => self.rejected_updates += 1,
             None => {}
         }
+        if finite { Ok(()) } else { Err(FootInsError::Diverged { time }) }
     }
 
     fn warn(&mut self, warning: FootInsWarning) {
@@ -117,9 +129,10 @@ impl FootIns {
     /// One observation in, at most one solution out, later by the look-ahead of the detector.
     ///
     /// Where samples come slower than before, more than one may be due: [`Self::next_due`] hands out the rest.
+    #[inline]
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
         match self.take(observation)? {
-            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
         }
     }
@@ -127,7 +140,7 @@ impl FootIns {
     /// A further solution that the observations so far make due, if any.
     pub fn next_due(&mut self) -> Result<Option<Solution>, FootInsError> {
         match self.filter.is_some().then(|| self.detector.pop()).flatten() {
-            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
         }
     }
@@ -135,7 +148,7 @@ impl FootIns {
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, FootInsError> {
         match self.drain()? {
-            Some((imu, stance)) => self.advance(&imu, &stance).map(Some),
+            Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
         }
     }
@@ -156,6 +169,7 @@ impl FootIns {
     }
 
     /// Checks an observation and hands it to alignment and detector; returns the sample that is now due.
+    #[inline]
     fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, FootInsError> {
         let imu = match observation {
             Observation::Imu(imu) => imu,
@@ -217,32 +231,14 @@ impl FootIns {
     }
 
     /// Predict, and in stance update: the method.
-    fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Solution, FootInsError> {
+    #[inline]
+    fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Option<Solution>, FootInsError> {
         let filter = self.filter.as_mut().ok_or(FootInsError::Empty)?;
         let gap = filter.gap_before(imu);
         filter.predict(imu);
-        let corrections = filter.correct(imu, stance);
-        let solution = filter.solution();
-        self.note(&solution, gap, stance, &corrections)?;
-        Ok(solution)
-    }
-
-    /// Counts what was done and stops at an estimate that is no number any more.
-    fn note(
-        &mut self,
-        solution: &Solution,
-        gap: Option<f64>,
-        stance: &Stance,
-        corrections: &Corrections,
-    ) -> Result<(), FootInsError> {
-        if let Some(length_s) = gap {
-            self.report.warn(FootInsWarning::Gap { time: solution.time, length_s });
-        }
-        self.report.count(stance, corrections.contact.as_ref().map(|update| &update.innovation));
-        if solution.position_m.iter().all(|v| v.is_finite()) {
-            Ok(())
-        } else {
-            Err(FootInsError::Diverged { time: solution.time })
-        }
+        let innovation = filter.correct(imu, stance, &mut ());
+        let finite = filter.is_finite();
+        self.report.note(imu.time, gap, stance, innovation.as_ref(), finite)?;
+        Ok(Some(filter.solution()))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::foot_filter::FootFilter;
 use super::{FootIns, FootInsError, FootInsParams, FootInsReport};
-use crate::inertial::smoother::{Adjoint, Record};
+use crate::inertial::smoother::{Adjoint, Corrections, Record};
 use crate::pedestrian::stance::Stance;
 use adit_core::solution::Solution;
 use adit_core::time::Interval;
@@ -62,7 +62,8 @@ fn record(filter: &mut FootFilter, imu: &ImuSample, stance: &Stance) -> Record {
     let after_gap = filter.gap_before(imu).is_some();
     let step = filter.predict(imu);
     let (state, covariance) = (*filter.state(), filter.covariance().clone());
-    let corrections = filter.correct(imu, stance);
+    let mut corrections = Corrections::default();
+    filter.correct(imu, stance, &mut corrections);
     Record { time: imu.time, step, state, covariance, corrections, quality: filter.quality(), after_gap }
 }
 
@@ -120,8 +121,9 @@ impl FixedLag {
         let filter = self.method.filter.as_mut().ok_or(FootInsError::Empty)?;
         let gap = filter.gap_before(imu);
         let record = record(filter, imu, stance);
-        let solution = filter.solution();
-        self.method.note(&solution, gap, stance, &record.corrections)?;
+        let finite = filter.is_finite();
+        let innovation = record.corrections.contact.as_ref().map(|update| &update.innovation);
+        self.method.report.note(imu.time, gap, stance, innovation, finite)?;
         self.records.push_back(record);
         // A backward pass over lag and a quarter of it releases that quarter: five steps back for every one forward.
         let block = Interval::from_nanos(self.lag.nanos() / 4);
