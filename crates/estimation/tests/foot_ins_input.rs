@@ -148,16 +148,34 @@ fn a_log_shorter_than_the_alignment_still_gives_its_solutions() {
 }
 
 #[test]
-fn warns_of_a_start_without_rest_and_trusts_the_level_less() {
-    let walk = Walk::straight(10.0, 2).unwrap();
-    let quiet = run(FootInsParams::default(), &walk.observations()).unwrap().1;
-    assert_eq!(quiet.warnings, []);
+fn a_walk_that_starts_in_motion_begins_at_its_first_stance() {
+    let walk = Walk::straight(20.0, 2).unwrap();
     let moving = walk.truth.iter().position(|t| !t.stance).unwrap() + 40;
-    let (solutions, shaken) = run(FootInsParams::default(), &observed(&walk.samples[moving..])).unwrap();
-    let warned = shaken.initial_tilt_sigma_rad;
-    assert_eq!(shaken.warnings, [FootInsWarning::NoRestAtStart { tilt_sigma_rad: warned }]);
-    assert!(warned > 3.0 * quiet.initial_tilt_sigma_rad, "{warned} rad");
-    assert!(solutions[0].covariance[(6, 6)] >= 0.5 * warned * warned);
+    let samples = &walk.samples[moving..];
+    let (solutions, report) = run(FootInsParams::default(), &observed(samples)).unwrap();
+    assert_eq!(report.warnings, [FootInsWarning::NoRestAtStart]);
+    assert_eq!(solutions.len(), samples.len());
+
+    let begun = solutions.iter().position(|s| s.quality != Quality::Lost).unwrap();
+    let truth = &walk.truth[moving..];
+    assert!(truth[begun].velocity_m_s.norm() < 0.1, "{}", truth[begun].velocity_m_s.norm());
+    assert!(solutions[..begun].iter().all(|s| s.position_m == Vector3::zeros()));
+    let (walked, estimated) = (
+        truth[truth.len() - 1].position_m - truth[begun].position_m,
+        solutions[solutions.len() - 1].position_m - solutions[begun].position_m,
+    );
+    assert!(
+        (estimated.norm() / walked.norm() - 1.0).abs() < 0.02,
+        "{} of {}",
+        estimated.norm(),
+        walked.norm()
+    );
+
+    let (smoothed, _) = smooth(FootInsParams::default(), &observed(samples), &mut |_| ()).unwrap();
+    assert!(
+        smoothed[..=begun].iter().all(|s| s.position_m.norm() < 1e-9),
+        "nothing later moves what was before"
+    );
 }
 
 /// The walk with the samples of `lost_s` seconds from `from_s` on gone.

@@ -37,8 +37,6 @@ pub struct RestAlignment {
 pub struct Aligned {
     /// Body to local level.
     pub attitude: Attitude,
-    /// Standard deviation of roll and pitch that the motion during the alignment adds, rad.
-    pub tilt_sigma_rad: f64,
     /// Length of the mean specific force, m/s².
     pub force_m_s2: f64,
     /// Mean rate of a quiet rest, which is the gyro's bias, rad/s; zero when the rest was not quiet.
@@ -68,7 +66,7 @@ impl RestAlignment {
     /// Attitude from what was seen; `None` without a usable specific force.
     ///
     /// `declination_rad` is the angle from true to magnetic north, positive to the east.
-    pub fn align(&self, gravity_m_s2: f64, declination_rad: f64) -> Option<Aligned> {
+    pub fn align(&self, declination_rad: f64) -> Option<Aligned> {
         let count = f64::from(self.samples.max(1));
         let force = self.force_sum / count;
         let variance = (self.force_squared_sum / count - force.norm_squared()).max(0.0);
@@ -84,7 +82,6 @@ impl RestAlignment {
         let heading = if magnetic { declination_rad - libm::atan2(field.x, field.y) } else { 0.0 };
         Some(Aligned {
             attitude: attitude::level(&force, heading)?,
-            tilt_sigma_rad: deviation / gravity_m_s2,
             force_m_s2: libm::sqrt(force.norm_squared()),
             gyro_bias_rad_s: if quiet { mean_rate } else { Vector3::zeros() },
             at_rest: deviation < REST_FORCE_M_S2 && rate < REST_RATE_RAD_S,

@@ -44,7 +44,7 @@ pub struct Increment {
 }
 
 /// What one step did, as the linearised error model needs it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Step {
     /// `C_b^n` at the beginning of the interval.
     pub rotation: Matrix3<f64>,

@@ -55,11 +55,8 @@ pub enum FootInsError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum FootInsWarning {
-    /// The sensor moved during alignment: roll and pitch are uncertain at the start.
-    NoRestAtStart {
-        /// Standard deviation of roll and pitch taken instead, rad.
-        tilt_sigma_rad: f64,
-    },
+    /// The foot moves at the start of the log: the walk begins, with its origin, at the first stance.
+    NoRestAtStart,
     /// Samples are missing: nothing was integrated over the gap.
     Gap {
         /// Time of the sample after the gap.
@@ -73,9 +70,8 @@ impl FootInsWarning {
     /// One line for people.
     pub fn text(&self) -> String {
         match self {
-            Self::NoRestAtStart { tilt_sigma_rad } => alloc::format!(
-                "the foot is not at rest at the start of the log: roll and pitch are taken as known to {:.1}° only",
-                tilt_sigma_rad.to_degrees()
+            Self::NoRestAtStart => String::from(
+                "the foot is not at rest at the start of the log: the path begins at the first stance, with roll and pitch from it",
             ),
             Self::Gap { time, length_s } => alloc::format!(
                 "samples are missing for {length_s:.3} s before {time} s: position is uncertain from there on"

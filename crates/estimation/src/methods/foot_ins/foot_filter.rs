@@ -10,6 +10,7 @@ use crate::kalman::Innovation;
 use crate::pedestrian::heading::StraightLegs;
 use crate::pedestrian::stance::Stance;
 use crate::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
+use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
@@ -32,6 +33,8 @@ const SLACK_S: f64 = 0.001;
 pub struct FootFilter {
     params: FootInsParams,
     inertial: InertialFilter,
+    /// True from a start in motion until the first stance: before it there is nothing to level or to integrate from.
+    awaiting_stance: bool,
     time: Time,
     /// Length of the last prediction, s.
     interval_s: f64,
@@ -49,10 +52,10 @@ pub struct FootFilter {
 }
 
 impl FootFilter {
-    pub(super) fn new(params: &FootInsParams, time: Time, aligned: &Aligned, tilt_sigma_rad: f64) -> Self {
+    pub(super) fn new(params: &FootInsParams, time: Time, aligned: &Aligned) -> Self {
         let sigma = &params.initial;
         let all = |sigma: f64| Vector3::repeat(sigma * sigma);
-        let tilt = tilt_sigma_rad * tilt_sigma_rad;
+        let tilt = sigma.tilt_rad * sigma.tilt_rad;
         let covariance = Covariance::from_variances(&[
             Vector3::new(tilt, tilt, sigma.heading_rad * sigma.heading_rad),
             all(sigma.velocity_m_s),
@@ -71,6 +74,7 @@ impl FootFilter {
         let state = FilterState { navigation, contact_m: Vector3::zeros() };
         Self {
             inertial: InertialFilter::new(state, covariance, params.gravity_m_s2),
+            awaiting_stance: !aligned.at_rest,
             time,
             interval_s: 0.0,
             since_update_s: LONG_AGO_S,
@@ -104,6 +108,11 @@ impl FootFilter {
         if let Some(gap_s) = gap {
             self.cross_gap(gap_s);
         }
+        if self.awaiting_stance {
+            let walked = GAP_SPEED_M_S * interval_s;
+            self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * (walked * walked)));
+            return Step::default();
+        }
         self.inertial.predict(imu, interval_s, &self.params.noise)
     }
 
@@ -116,6 +125,9 @@ impl FootFilter {
         stance: &Stance,
         recorder: &mut impl Recorder,
     ) -> Option<Innovation> {
+        if self.awaiting_stance && !self.start_in_stance(imu, stance) {
+            return None;
+        }
         let z = &self.params.zero_velocity;
         self.at_rest_s =
             if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
@@ -185,9 +197,18 @@ impl FootFilter {
         self.inertial.state.navigation.position_m.iter().all(|v| v.is_finite())
     }
 
+    /// True while the walk has begun in motion and no stance has been seen yet.
+    pub fn is_awaiting_stance(&self) -> bool {
+        self.awaiting_stance
+    }
+
     /// How far the estimate can be trusted.
     pub fn quality(&self) -> Quality {
-        if self.since_accepted_s > self.params.lost_after_s { Quality::Lost } else { Quality::DeadReckoning }
+        if self.awaiting_stance || self.since_accepted_s > self.params.lost_after_s {
+            Quality::Lost
+        } else {
+            Quality::DeadReckoning
+        }
     }
 
     /// Everything estimated, biases and lever included.
@@ -198,6 +219,20 @@ impl FootFilter {
     /// Covariance of everything estimated.
     pub fn covariance(&self) -> &Covariance {
         &self.inertial.covariance
+    }
+
+    /// Levels the sensor in the middle of the first stance, as still as the statistic says; false while there is none.
+    fn start_in_stance(&mut self, imu: &ImuSample, stance: &Stance) -> bool {
+        if !stance.is_still() || stance.statistic > stance.least {
+            return false;
+        }
+        let Some(attitude) = attitude::level(&imu.specific_force_m_s2, 0.0) else { return false };
+        self.awaiting_stance = false;
+        self.inertial.state.navigation.attitude = attitude;
+        let sway_rad = self.params.stance.acc_scale_m_s2 / self.params.gravity_m_s2;
+        let tilt = sway_rad * sway_rad * stance.statistic;
+        self.inertial.covariance.inflate(ATTITUDE, &Matrix3::from_diagonal(&Vector3::new(tilt, tilt, 0.0)));
+        true
     }
 
     /// The less still the foot, the less is its velocity known: variance grows with the statistic.

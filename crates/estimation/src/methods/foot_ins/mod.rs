@@ -62,8 +62,6 @@ pub struct FootInsReport {
     pub rejected_updates: u64,
     /// Sum of the normalised innovations squared of the used ones (3 degrees of freedom each).
     pub accepted_nis_sum: f64,
-    /// Standard deviation of roll and pitch at the start, rad.
-    pub initial_tilt_sigma_rad: f64,
     /// True when the heading came from the magnetometer.
     pub magnetic_heading: bool,
     /// Warnings, at most the first hundred.
@@ -212,21 +210,17 @@ impl FootIns {
     fn align(&mut self) -> Result<(), FootInsError> {
         let first = self.first.ok_or(FootInsError::Empty)?;
         let gravity = self.params.gravity_m_s2;
-        let aligned =
-            self.alignment.align(gravity, self.params.declination_rad).ok_or(FootInsError::NoForce)?;
-        if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
-            return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
-        }
-        let mut tilt_sigma_rad = self.params.initial.tilt_rad;
+        let aligned = self.alignment.align(self.params.declination_rad).ok_or(FootInsError::NoForce)?;
         if aligned.at_rest {
+            if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
+                return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
+            }
             self.detector.set_rest_force(aligned.force_m_s2);
         } else {
-            tilt_sigma_rad += aligned.tilt_sigma_rad;
-            self.report.warn(FootInsWarning::NoRestAtStart { tilt_sigma_rad });
+            self.report.warn(FootInsWarning::NoRestAtStart);
         }
-        self.report.initial_tilt_sigma_rad = tilt_sigma_rad;
         self.report.magnetic_heading = aligned.magnetic;
-        self.filter = Some(FootFilter::new(&self.params, first, &aligned, tilt_sigma_rad));
+        self.filter = Some(FootFilter::new(&self.params, first, &aligned));
         Ok(())
     }
 

@@ -59,11 +59,12 @@ pub fn smooth(
 
 /// Runs the filter over one sample and keeps what it did.
 fn record(filter: &mut FootFilter, imu: &ImuSample, stance: &Stance) -> Record {
-    let after_gap = filter.gap_before(imu).is_some();
+    let (gap, awaiting_stance) = (filter.gap_before(imu).is_some(), filter.is_awaiting_stance());
     let step = filter.predict(imu);
     let (state, covariance) = (*filter.state(), filter.covariance().clone());
     let mut corrections = Corrections::default();
     filter.correct(imu, stance, &mut corrections);
+    let after_gap = gap || (awaiting_stance && !filter.is_awaiting_stance());
     Record { time: imu.time, step, state, covariance, corrections, quality: filter.quality(), after_gap }
 }
 
