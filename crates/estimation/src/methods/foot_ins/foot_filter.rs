@@ -131,7 +131,31 @@ impl FootFilter {
         let z = &self.params.zero_velocity;
         self.at_rest_s =
             if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
-        if !stance.is_still() || self.since_update_s < z.interval_s - SLACK_S {
+        if !stance.is_still() {
+            return None;
+        }
+        let innovation = self.hold_contact(imu, stance, recorder);
+        // Only a foot whose stillness the velocity has just confirmed tells of rate, gravity and heading.
+        let confirmed = innovation.is_some_and(|innovation| innovation.accepted);
+        if confirmed || self.at_rest_s >= self.params.zero_velocity.rest_s {
+            self.hold_rate(imu, stance, recorder);
+            self.hold_gravity(imu, stance, recorder);
+            self.hold_heading(recorder);
+        }
+        innovation
+    }
+
+    /// Velocity of the contact, when it is due; a foot at rest for a while says nothing new and is asked less often.
+    #[inline]
+    fn hold_contact(
+        &mut self,
+        imu: &ImuSample,
+        stance: &Stance,
+        recorder: &mut impl Recorder,
+    ) -> Option<Innovation> {
+        let z = &self.params.zero_velocity;
+        let resting = self.at_rest_s >= z.rest_s;
+        if self.since_update_s < if resting { z.rest_interval_s } else { z.interval_s } - SLACK_S {
             return None;
         }
         self.since_update_s = 0.0;
@@ -139,7 +163,7 @@ impl FootFilter {
         // Two stances in a row that the state denies: the state is wrong, not the foot.
         let credible = stance.statistic < z.credible_statistic;
         let second_refused = credible && self.since_refused_s.is_some_and(|since| since > z.second_stance_s);
-        let gate_open = second_refused || self.at_rest_s >= z.rest_s || self.since_accepted_s > z.patience_s;
+        let gate_open = second_refused || resting || self.since_accepted_s > z.patience_s;
         let gate = if gate_open { f64::INFINITY } else { z.gate_nis };
         let contact = ContactVelocity {
             angular_rate_rad_s: imu.angular_rate_rad_s,
@@ -148,42 +172,56 @@ impl FootFilter {
         };
         let contact = contact.linearise(&self.inertial.state);
         let innovation = self.inertial.update(&contact, gate, |update| recorder.contact(update))?;
-        if !innovation.accepted {
-            if credible {
-                self.since_refused_s.get_or_insert(0.0);
-            }
-            return Some(innovation);
+        if innovation.accepted {
+            self.since_accepted_s = 0.0;
+            self.since_refused_s = None;
+        } else if credible {
+            self.since_refused_s.get_or_insert(0.0);
         }
-        self.since_accepted_s = 0.0;
-        self.since_refused_s = None;
+        Some(innovation)
+    }
 
+    /// At rest the gyro reads its bias; the more it reads beside, the less that is worth, for people sway.
+    #[inline]
+    fn hold_rate(&mut self, imu: &ImuSample, stance: &Stance, recorder: &mut impl Recorder) {
         let r = &self.params.zero_rate;
-        if stance.statistic < r.statistic && self.since_rate_s >= r.interval_s - SLACK_S {
-            self.since_rate_s = 0.0;
-            let rate = imu.angular_rate_rad_s - self.inertial.state.navigation.gyro_bias_rad_s;
-            let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
-            let zero_rate =
-                ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
-            let zero_rate = zero_rate.linearise(&self.inertial.state);
-            self.inertial.update(&zero_rate, f64::INFINITY, |update| recorder.rate(update));
+        if stance.statistic >= r.statistic || self.since_rate_s < r.interval_s - SLACK_S {
+            return;
         }
+        self.since_rate_s = 0.0;
+        let rate = imu.angular_rate_rad_s - self.inertial.state.navigation.gyro_bias_rad_s;
+        let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
+        let zero_rate =
+            ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
+        let zero_rate = zero_rate.linearise(&self.inertial.state);
+        self.inertial.update(&zero_rate, f64::INFINITY, |update| recorder.rate(update));
+    }
+
+    /// At rest the accelerometer reads gravity.
+    #[inline]
+    fn hold_gravity(&mut self, imu: &ImuSample, stance: &Stance, recorder: &mut impl Recorder) {
         let g = &self.params.rest_gravity;
-        if stance.statistic < g.statistic && self.since_gravity_s >= g.interval_s - SLACK_S {
-            self.since_gravity_s = 0.0;
-            let gravity = RestGravity {
-                specific_force_m_s2: imu.specific_force_m_s2,
-                sigma_m_s2: g.sigma_m_s2,
-                gravity_m_s2: self.params.gravity_m_s2,
-            };
-            let gravity = gravity.linearise(&self.inertial.state);
-            self.inertial.update(&gravity, f64::INFINITY, |update| recorder.gravity(update));
+        if stance.statistic >= g.statistic || self.since_gravity_s < g.interval_s - SLACK_S {
+            return;
         }
+        self.since_gravity_s = 0.0;
+        let gravity = RestGravity {
+            specific_force_m_s2: imu.specific_force_m_s2,
+            sigma_m_s2: g.sigma_m_s2,
+            gravity_m_s2: self.params.gravity_m_s2,
+        };
+        let gravity = gravity.linearise(&self.inertial.state);
+        self.inertial.update(&gravity, f64::INFINITY, |update| recorder.gravity(update));
+    }
+
+    /// A leg that goes on straight keeps its heading, if the settings say so.
+    #[inline]
+    fn hold_heading(&mut self, recorder: &mut impl Recorder) {
         if let Some(legs) = &mut self.straight_legs
             && let Some(heading) = legs.observe(self.time, &self.inertial.state.navigation.position_m)
         {
             self.inertial.update(&heading, f64::INFINITY, |update| recorder.heading(update));
         }
-        Some(innovation)
     }
 
     /// The estimate as a solution.

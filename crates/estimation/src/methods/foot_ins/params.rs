@@ -67,6 +67,8 @@ pub struct ZeroVelocityParams {
     pub lever_sigma_m: f64,
     /// Time between updates, s: motion of the foot is correlated over about this time.
     pub interval_s: f64,
+    /// Time between updates of a foot that has been at rest for `rest_s`, s: nothing new is learned sooner.
+    pub rest_interval_s: f64,
     /// Greatest normalised innovation squared (3 degrees of freedom) that is believed.
     pub gate_nis: f64,
     /// Time without an accepted update after which the gate opens, s: the gate cannot lock itself out.
@@ -168,6 +170,7 @@ impl FootInsParams {
             ("zero_velocity.statistic_sigma_m_s", not_negative(z.statistic_sigma_m_s)),
             ("zero_velocity.lever_sigma_m", not_negative(z.lever_sigma_m)),
             ("zero_velocity.interval_s", not_negative(z.interval_s)),
+            ("zero_velocity.rest_interval_s", not_negative(z.rest_interval_s)),
             ("zero_velocity.gate_nis", positive(z.gate_nis)),
             ("zero_velocity.patience_s", not_negative(z.patience_s)),
             ("zero_velocity.credible_statistic", not_negative(z.credible_statistic)),
@@ -244,6 +247,7 @@ impl Default for ZeroVelocityParams {
             statistic_sigma_m_s: 0.016,
             lever_sigma_m: 0.15,
             interval_s: 0.01,
+            rest_interval_s: 0.02,
             gate_nis: 5.0,
             patience_s: 4.0,
             credible_statistic: 20.0,
@@ -256,7 +260,7 @@ impl Default for ZeroVelocityParams {
 
 impl Default for ZeroRateParams {
     fn default() -> Self {
-        Self { statistic: 0.14, interval_s: 0.01, sigma_rad_s: 5e-4, rate_share: 0.85 }
+        Self { statistic: 0.16, interval_s: 0.01, sigma_rad_s: 5e-4, rate_share: 0.9 }
     }
 }
 
