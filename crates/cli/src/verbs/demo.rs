@@ -81,7 +81,7 @@ fn next(folder: &Path) -> String {
         "\nFigures: {folder}/path.svg, {folder}/evaluation.svg\n\nNow try:\n\
          \x20 adit track {folder}/log.mcap --method foot-ins --config {folder}/filter.toml --smooth -o {folder}/smoothed.tum\n\
          \x20 adit eval {folder}/smoothed.tum --truth {folder}/truth.tum --plot {folder}/smoothed.svg\n\
-         \x20 adit eval {folder}/estimate.tum --truth {folder}/truth.tum --covariance {folder}/estimate.csv\n\
+         \x20 adit eval {folder}/estimate.tum --truth {folder}/truth.tum --align start --covariance {folder}/estimate.csv\n\
          \x20 adit track YOUR_LOG.csv --method foot-ins -o your.tum        (adit track --help: what a log looks like)\n"
     )
 }
