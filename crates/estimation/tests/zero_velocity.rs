@@ -6,7 +6,7 @@ use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_estimation::inertial::covariance::{BLOCKS, ErrorVector, GYRO_BIAS};
 use adit_estimation::inertial::filter::FilterState;
 use adit_estimation::inertial::strapdown::NavigationState;
-use adit_estimation::kalman::Linearised;
+use adit_estimation::kalman::{Linearised, MeasurementModel};
 use adit_estimation::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
 use support::Draws;
 

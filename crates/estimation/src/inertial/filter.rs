@@ -4,7 +4,7 @@ use crate::inertial::covariance::{
     ACC_BIAS, ATTITUDE, CONTACT, Covariance, ErrorVector, GYRO_BIAS, POSITION, ProcessNoise, VELOCITY,
 };
 use crate::inertial::strapdown::{Increment, NavigationState, Step};
-use crate::kalman::{Derivative, Innovation, Linearised};
+use crate::kalman::{Derivative, Innovation, MeasurementModel};
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
@@ -86,11 +86,12 @@ impl InertialFilter {
     #[inline]
     pub fn update<const N: usize>(
         &mut self,
-        measurement: &Linearised<N>,
+        model: &impl MeasurementModel<FilterState, N>,
         gate: f64,
         record: impl FnOnce(Update<N>),
     ) -> Option<Innovation> {
-        let (mut innovation, gain) = self.covariance.innovation(measurement)?;
+        let measurement = model.linearise(&self.state);
+        let (mut innovation, gain) = self.covariance.innovation(&measurement)?;
         innovation.accepted = innovation.nis <= gate;
         if innovation.accepted {
             let correction = self.covariance.update(&innovation, &gain);

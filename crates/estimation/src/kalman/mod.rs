@@ -56,6 +56,14 @@ pub struct Linearised<const N: usize> {
     pub noise: Matrix3<f64>,
 }
 
+/// What a sensor, or a thing known of people, says of a state: one implementation each.
+///
+/// `N` is the number of 3-vectors of the error state that it depends on.
+pub trait MeasurementModel<State, const N: usize> {
+    /// Compares what was measured with what `state` predicts.
+    fn linearise(&self, state: &State) -> Linearised<N>;
+}
+
 /// What became of one measurement; rejected ones are reported like accepted ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Innovation {

@@ -6,7 +6,8 @@
 //! it is off by default.
 
 use crate::inertial::covariance::ATTITUDE;
-use crate::kalman::{Derivative, Linearised};
+use crate::inertial::filter::FilterState;
+use crate::kalman::{Derivative, Linearised, MeasurementModel};
 use adit_core::attitude::angle_difference;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::time::Time;
@@ -35,7 +36,7 @@ pub struct StraightLegs {
 impl StraightLegs {
     /// Takes the position at a zero-velocity update; at the first of a stance that goes on straight, returns the
     /// heading measurement.
-    pub fn observe(&mut self, time: Time, position_m: &Vector3<f64>) -> Option<Linearised<1>> {
+    pub fn observe(&mut self, time: Time, position_m: &Vector3<f64>) -> Option<StraightHeading> {
         let began = self.last_update.is_none_or(|last| (time - last).seconds() > SWING_S);
         self.last_update = Some(time);
         if !began {
@@ -55,11 +56,7 @@ impl StraightLegs {
             self.strides = 0;
             return None;
         }
-        Some(Linearised {
-            residual: Vector3::new(0.0, 0.0, -deviation),
-            jacobian: [(ATTITUDE, Derivative::Matrix(Matrix3::from_diagonal(&Vector3::z())))],
-            noise: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, SWAY_RAD * SWAY_RAD)),
-        })
+        Some(StraightHeading { deviation_rad: deviation })
     }
 
     /// Direction relative to the mean of a full leg; `None` before there is one.
@@ -71,5 +68,22 @@ impl StraightLegs {
         let mean_offset =
             self.directions_rad.iter().map(|d| angle_difference(*d, reference)).sum::<f64>() / LEG as f64;
         Some(angle_difference(direction, reference + mean_offset))
+    }
+}
+
+/// A stride that goes on straight: its deviation from the leg is drift of the heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StraightHeading {
+    /// Direction of the stride minus direction of the leg, counter-clockwise, rad.
+    pub deviation_rad: f64,
+}
+
+impl MeasurementModel<FilterState, 1> for StraightHeading {
+    fn linearise(&self, _state: &FilterState) -> Linearised<1> {
+        Linearised {
+            residual: Vector3::new(0.0, 0.0, -self.deviation_rad),
+            jacobian: [(ATTITUDE, Derivative::Matrix(Matrix3::from_diagonal(&Vector3::z())))],
+            noise: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, SWAY_RAD * SWAY_RAD)),
+        }
     }
 }

@@ -14,7 +14,7 @@
 
 use crate::inertial::covariance::{ACC_BIAS, ATTITUDE, CONTACT, GYRO_BIAS, VELOCITY};
 use crate::inertial::filter::FilterState;
-use crate::kalman::{Derivative, Linearised};
+use crate::kalman::{Derivative, Linearised, MeasurementModel};
 use adit_core::attitude::skew;
 use adit_core::nalgebra::{Matrix3, Vector3};
 
@@ -29,10 +29,9 @@ pub struct ContactVelocity {
     pub lever_sigma_m: f64,
 }
 
-impl ContactVelocity {
-    /// Linearises at the present state.
+impl MeasurementModel<FilterState, 3> for ContactVelocity {
     #[inline]
-    pub fn linearise(&self, state: &FilterState) -> Linearised<3> {
+    fn linearise(&self, state: &FilterState) -> Linearised<3> {
         let rotation = state.navigation.attitude.to_rotation_matrix().into_inner();
         let rate = self.angular_rate_rad_s - state.navigation.gyro_bias_rad_s;
         let expected = rotation * rate.cross(&state.contact_m);
@@ -60,10 +59,9 @@ pub struct ZeroRate {
     pub sigma_rad_s: f64,
 }
 
-impl ZeroRate {
-    /// Linearises at the present state.
+impl MeasurementModel<FilterState, 1> for ZeroRate {
     #[inline]
-    pub fn linearise(&self, state: &FilterState) -> Linearised<1> {
+    fn linearise(&self, state: &FilterState) -> Linearised<1> {
         Linearised {
             residual: self.angular_rate_rad_s - state.navigation.gyro_bias_rad_s,
             jacobian: [(GYRO_BIAS, Derivative::Identity)],
@@ -83,10 +81,9 @@ pub struct RestGravity {
     pub gravity_m_s2: f64,
 }
 
-impl RestGravity {
-    /// Linearises at the present state.
+impl MeasurementModel<FilterState, 2> for RestGravity {
     #[inline]
-    pub fn linearise(&self, state: &FilterState) -> Linearised<2> {
+    fn linearise(&self, state: &FilterState) -> Linearised<2> {
         let rotation = state.navigation.attitude.to_rotation_matrix().into_inner();
         let force = rotation * (self.specific_force_m_s2 - state.navigation.acc_bias_m_s2);
         Linearised {

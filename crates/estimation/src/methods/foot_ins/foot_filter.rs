@@ -170,7 +170,6 @@ impl FootFilter {
             sigma_m_s: self.contact_sigma_m_s(stance),
             lever_sigma_m: z.lever_sigma_m,
         };
-        let contact = contact.linearise(&self.inertial.state);
         let innovation = self.inertial.update(&contact, gate, |update| recorder.contact(update))?;
         if innovation.accepted {
             self.since_accepted_s = 0.0;
@@ -193,7 +192,6 @@ impl FootFilter {
         let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
         let zero_rate =
             ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
-        let zero_rate = zero_rate.linearise(&self.inertial.state);
         self.inertial.update(&zero_rate, f64::INFINITY, |update| recorder.rate(update));
     }
 
@@ -210,7 +208,6 @@ impl FootFilter {
             sigma_m_s2: g.sigma_m_s2,
             gravity_m_s2: self.params.gravity_m_s2,
         };
-        let gravity = gravity.linearise(&self.inertial.state);
         self.inertial.update(&gravity, f64::INFINITY, |update| recorder.gravity(update));
     }
 
