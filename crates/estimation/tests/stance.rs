@@ -20,6 +20,7 @@ fn params(detector: Detector) -> StanceParams {
         gyro_scale_rad_s: 0.15,
         threshold: 30.0,
         reach_s: 0.4,
+        look_ahead_s: 0.3,
         gain: 3.0,
         floor: 2.0,
         ceiling: 500.0,
@@ -85,7 +86,10 @@ fn expected(samples: &[ImuSample], params: &StanceParams, gravity: f64) -> Vec<S
         if params.detector != Detector::Adaptive {
             return Stance { statistic, threshold: params.threshold, least: statistic };
         }
-        let within = samples.iter().zip(&statistics).filter(|(s, _)| nearer_than(params.reach_s, s, sample));
+        let within = samples.iter().zip(&statistics).filter(|(s, _)| {
+            let reach_s = if s.time < sample.time { params.reach_s } else { params.look_ahead_s };
+            nearer_than(reach_s, s, sample)
+        });
         let least = within.map(|(_, statistic)| *statistic).fold(f64::INFINITY, f64::min);
         let threshold = (params.gain * least).max(params.floor).min(params.ceiling);
         Stance { statistic, threshold, least }
@@ -145,11 +149,11 @@ fn samples_leave_in_order_and_each_exactly_once() {
 }
 
 #[test]
-fn a_sample_leaves_as_soon_as_window_and_reach_are_complete() {
+fn a_sample_leaves_as_soon_as_window_and_look_ahead_are_complete() {
     for detector in DETECTORS {
         let params = params(detector);
-        let reach_s = if detector == Detector::Adaptive { params.reach_s } else { 0.0 };
-        let delay = Interval::from_seconds(reach_s + params.window_s / 2.0).unwrap_or_default();
+        let look_ahead_s = if detector == Detector::Adaptive { params.look_ahead_s } else { 0.0 };
+        let delay = Interval::from_seconds(look_ahead_s + params.window_s / 2.0).unwrap_or_default();
         let samples = motion(1_000, false, 3);
         let mut detector = StanceDetector::new(params, GRAVITY);
         let mut left = 0;

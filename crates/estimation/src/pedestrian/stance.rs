@@ -15,7 +15,7 @@
 //! # The adaptive threshold
 //! One fixed threshold cannot serve a walker and a runner: a walker's foot rests with `T` of 0.1–10, a runner's never
 //! falls below some hundreds, where a walker's foot is already in the air. What all gaits share is that a foot comes
-//! to its own least motion once a stride. So the threshold is tied to the least `T` within `reach` before and after:
+//! to its own least motion once a stride. So the threshold is tied to the least `T` within `reach` before and `look_ahead` after:
 //!
 //! ```text
 //! threshold = gain · T_least,   kept within [floor, ceiling]
@@ -24,7 +24,8 @@
 //! `reach` is a little longer than half of the longest ordinary stride, so that every window holds a stance; below
 //! `floor` the foot is still whatever its neighbours do. A foot that hangs or is lifted slowly also has a least
 //! motion; that case is caught by the innovation gate of the method, which knows the velocity.
-//! The look-ahead of `reach` delays solutions by the same time.
+//! Looking ahead delays solutions by the same time; without it (`look_ahead = 0`, and a `reach` of about 1 s) the
+//! detector is causal and knows only the stances before.
 
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
@@ -62,8 +63,10 @@ pub struct StanceParams {
     pub gyro_scale_rad_s: f64,
     /// Threshold of the fixed detectors.
     pub threshold: f64,
-    /// Adaptive: how far before and after a sample its least statistic is looked for, s.
+    /// Adaptive: how far before a sample its least statistic is looked for, s.
     pub reach_s: f64,
+    /// Adaptive: how far after it, s; solutions come later by as much.
+    pub look_ahead_s: f64,
     /// Adaptive: threshold over least statistic.
     pub gain: f64,
     /// Adaptive: least threshold.
@@ -81,6 +84,7 @@ impl Default for StanceParams {
             gyro_scale_rad_s: 0.1,
             threshold: 20.0,
             reach_s: 0.55,
+            look_ahead_s: 0.55,
             gain: 1.7,
             floor: 0.75,
             ceiling: 3e4,
@@ -117,13 +121,14 @@ struct Entry {
     statistic: f64,
 }
 
-/// Streaming detector: samples in, samples with their stance out, `reach + window/2` later.
+/// Streaming detector: samples in, samples with their stance out, `look_ahead + window/2` later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StanceDetector {
     params: StanceParams,
     gravity_m_s2: f64,
     half_window: Interval,
     reach: Interval,
+    look_ahead: Interval,
     /// Samples from half a window before the next to leave.
     samples: VecDeque<Entry>,
     /// Samples of the queue that have left already and serve only as window.
@@ -145,7 +150,8 @@ impl StanceDetector {
         let adaptive = params.detector == Detector::Adaptive;
         Self {
             half_window: span(params.window_s / 2.0),
-            reach: if adaptive { span(params.reach_s) } else { Interval::ZERO },
+            reach: span(params.reach_s),
+            look_ahead: if adaptive { span(params.look_ahead_s) } else { Interval::ZERO },
             gravity_m_s2,
             params,
             samples: VecDeque::new(),
@@ -261,7 +267,7 @@ impl StanceDetector {
             return None;
         }
         let stance = if self.params.detector == Detector::Adaptive {
-            let horizon = sample.time + self.reach;
+            let horizon = sample.time + self.look_ahead;
             if latest.is_some_and(|latest| latest < horizon + self.half_window) {
                 return None;
             }

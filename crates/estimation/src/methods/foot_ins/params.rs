@@ -148,6 +148,7 @@ impl FootInsParams {
             ("stance.gyro_scale_rad_s", positive(s.gyro_scale_rad_s)),
             ("stance.threshold", positive(s.threshold)),
             ("stance.reach_s", not_negative(s.reach_s)),
+            ("stance.look_ahead_s", not_negative(s.look_ahead_s)),
             ("stance.gain", positive(s.gain)),
             ("stance.floor", positive(s.floor)),
             ("stance.ceiling", positive(s.ceiling)),
