@@ -1,6 +1,6 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
-use crate::method::Method;
+use crate::method::MethodName;
 use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
@@ -75,6 +75,17 @@ impl Adit {
             let what = "-o and --json cannot both go to stdout";
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
         }
+        if let Verb::Track(TrackArgs { method, smooth, lag, .. }) = args.verb {
+            let over = match () {
+                () if smooth && !method.has_whole_log() => Some("--smooth"),
+                () if lag.is_some() && !method.has_fixed_lag() => Some("--lag"),
+                () => None,
+            };
+            if let Some(flag) = over {
+                let what = format!("{} has no smoother: {flag} cannot be used with it", method.name());
+                return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
+            }
+        }
         Ok(args)
     }
 }
@@ -132,7 +143,7 @@ pub struct TrackArgs {
 
     /// How to position
     #[arg(long, value_enum)]
-    pub method: Method,
+    pub method: MethodName,
 
     /// Trajectory to write, TUM text; `-` is stdout, `.gz` compresses
     #[arg(short, long, value_name = "EST.tum", value_hint = ValueHint::FilePath)]

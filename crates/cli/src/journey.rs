@@ -63,6 +63,16 @@ impl Journey {
     pub fn radius_95_m(&self) -> Option<f64> {
         self.span.as_ref().map(|(_, last)| last.radius_95_m())
     }
+
+    /// Standard deviation of the last heading, as the method states it, rad.
+    pub fn heading_sigma_rad(&self) -> Option<f64> {
+        self.span.as_ref().map(|(_, last)| last.covariance[(8, 8)].sqrt())
+    }
+
+    /// Standard deviation of the last inclination (angle between true and estimated vertical), rad.
+    pub fn inclination_sigma_rad(&self) -> Option<f64> {
+        self.span.as_ref().map(|(_, last)| (last.covariance[(6, 6)] + last.covariance[(7, 7)]).sqrt())
+    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! The methods by name: the one place where the command line meets the estimation crate.
+//!
+//! A new method is a name here and an arm of [`with_settings!`]; everything else is the business of its
+//! [`MethodSettings`](adit_estimation::methods::MethodSettings).
 
 use crate::config;
-use adit_core::solution::Solution;
-use adit_estimation::methods::foot_ins::{
-    self, FixedLag, FootIns, FootInsParams, FootInsReport, FootInsWarning,
-};
-use adit_observation::Observation;
+use adit_estimation::methods::{Known, MethodReport, MethodSettings, MethodWarning};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -13,62 +12,38 @@ use std::path::Path;
 
 /// How to position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Method {
+pub enum MethodName {
     /// Inertial sensor on the foot: zero velocity whenever the foot stands; no infrastructure
     FootIns,
 }
 
-/// A method with its parameters, ready to start.
-#[derive(Debug, Clone)]
-pub enum Settings {
-    /// [`Method::FootIns`].
-    FootIns(FootInsParams),
-}
-
-/// What a method says about its run.
-#[derive(Debug, Clone)]
-pub struct MethodReport {
-    /// Share of the inertial samples at which the foot stood, 0 to 1.
-    pub share_at_rest: Option<f64>,
-    /// Odd things that the method met.
-    pub warnings: Vec<String>,
-    /// All it has to say, for the JSON report.
-    pub details: serde_json::Value,
-}
-
-/// A method at work, one observation at a time.
-pub trait Tracker {
-    /// Takes the next observation; a solution may be late and carries its own time.
-    fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>>;
-
-    /// A further solution that the observations so far make due.
-    fn next_due(&mut self) -> Result<Option<Solution>>;
-
-    /// Solutions still owed after the last observation, one by one.
-    fn finish_next(&mut self) -> Result<Option<Solution>>;
-
-    /// What it says about its run.
-    fn report(&self) -> Result<MethodReport>;
-}
-
-impl Method {
-    /// Name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::FootIns => "foot-ins",
-        }
-    }
-
-    /// Its parameters: the defaults, over them what a sidecar knows of the sensor, over these what a TOML file says.
-    pub fn settings(self, sidecar: Option<&Sidecar>, config: Option<&Path>) -> Result<Settings> {
-        match self {
-            Self::FootIns => {
-                let known = sidecar.map_or_else(FootInsParams::default, foot_ins_params);
-                let params =
-                    config.map_or_else(|| Ok(known.clone()), |path| config::overlay(&known, path))?;
-                Ok(Settings::FootIns(params))
+/// Evaluates an expression in which `$settings` is the type of the settings of the method of that name.
+macro_rules! with_settings {
+    ($name:expr, $settings:ident => $body:expr) => {
+        match $name {
+            $crate::method::MethodName::FootIns => {
+                type $settings = adit_estimation::methods::foot_ins::FootInsParams;
+                $body
             }
         }
+    };
+}
+pub(crate) use with_settings;
+
+impl MethodName {
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        with_settings!(self, S => S::NAME)
+    }
+
+    /// Whether it smooths over a fixed lag.
+    pub fn has_fixed_lag(self) -> bool {
+        with_settings!(self, S => S::FIXED_LAG)
+    }
+
+    /// Whether it smooths over the whole log.
+    pub fn has_whole_log(self) -> bool {
+        with_settings!(self, S => S::WHOLE_LOG)
     }
 
     /// What a sidecar says that does not suit the method.
@@ -76,99 +51,36 @@ impl Method {
         match (self, sidecar.mounting.location) {
             (Self::FootIns, None | Some(Location::Foot)) => None,
             (Self::FootIns, Some(other)) => {
-                let place = format!("{other:?}").to_lowercase();
-                Some(format!("the sidecar puts the sensor at \"{place}\", foot-ins expects it on the foot"))
+                let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
+                Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
             }
         }
     }
 }
 
-fn foot_ins_params(sidecar: &Sidecar) -> FootInsParams {
-    let mut params = FootInsParams::default();
-    if let Some(noise) = &sidecar.noise {
-        params = params.with_specification(noise);
-    }
-    if let Some(declination_deg) = sidecar.frame.magnetic_declination_deg {
-        params.declination_rad = declination_deg.to_radians();
-    }
-    params
+/// Settings of a method: the defaults, over them what a sidecar knows, over these what a TOML file says.
+pub fn settings<S: MethodSettings>(sidecar: Option<&Sidecar>, config: Option<&Path>) -> Result<S> {
+    let settings = sidecar.map_or_else(S::default, |sidecar| S::default().knowing(&known(sidecar)));
+    config.map_or_else(|| Ok(settings.clone()), |path| config::overlay(&settings, path))
 }
 
-impl Settings {
-    /// Starts the method, streaming; with a lag in seconds its solutions are smoothed over that time.
-    pub fn start(&self, lag_s: Option<f64>) -> Result<Box<dyn Tracker>> {
-        match (self, lag_s) {
-            (Self::FootIns(params), None) => Ok(Box::new(FootIns::new(params.clone())?)),
-            (Self::FootIns(params), Some(lag_s)) => Ok(Box::new(FixedLag::new(params.clone(), lag_s)?)),
-        }
-    }
-
-    /// Runs the method over the whole log and smooths it; `progress` hears of the work done, up to twice the samples.
-    pub fn smooth(
-        &self,
-        log: &[Observation],
-        progress: &mut dyn FnMut(usize),
-    ) -> Result<(Vec<Solution>, MethodReport)> {
-        match self {
-            Self::FootIns(params) => {
-                let (solutions, report) = foot_ins::smooth(params.clone(), log, progress)?;
-                Ok((solutions, foot_ins_report(&report)?))
-            }
-        }
+fn known(sidecar: &Sidecar) -> Known {
+    Known {
+        specification: sidecar.noise,
+        declination_rad: sidecar.frame.magnetic_declination_deg.map(f64::to_radians),
     }
 }
 
-impl Tracker for FootIns {
-    fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>> {
-        Ok(Self::observe(self, observation)?)
-    }
-
-    fn next_due(&mut self) -> Result<Option<Solution>> {
-        Ok(Self::next_due(self)?)
-    }
-
-    fn finish_next(&mut self) -> Result<Option<Solution>> {
-        Ok(Self::finish_next(self)?)
-    }
-
-    fn report(&self) -> Result<MethodReport> {
-        foot_ins_report(Self::report(self))
-    }
-}
-
-impl Tracker for FixedLag {
-    fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>> {
-        Ok(Self::observe(self, observation)?)
-    }
-
-    fn next_due(&mut self) -> Result<Option<Solution>> {
-        Ok(Self::next_due(self))
-    }
-
-    fn finish_next(&mut self) -> Result<Option<Solution>> {
-        Ok(Self::finish_next(self)?)
-    }
-
-    fn report(&self) -> Result<MethodReport> {
-        foot_ins_report(Self::report(self))
-    }
-}
-
-fn foot_ins_report(report: &FootInsReport) -> Result<MethodReport> {
-    let mut details = serde_json::to_value(report).context("the report of foot-ins cannot be written")?;
-    details["mean_nis"] = report.mean_nis().into();
-    Ok(MethodReport {
-        share_at_rest: (report.samples > 0).then(|| report.still_samples as f64 / report.samples as f64),
-        warnings: foot_ins_warnings(&report.warnings),
-        details,
-    })
+/// A method's own report as JSON.
+pub fn details(report: &impl MethodReport) -> Result<serde_json::Value> {
+    serde_json::to_value(report.details()).context("the report of the method cannot be written")
 }
 
 /// One line for each kind of warning: the log itself has told of every gap already.
-fn foot_ins_warnings(warnings: &[FootInsWarning]) -> Vec<String> {
-    let is_gap = |warning: &&FootInsWarning| matches!(warning, FootInsWarning::Gap { .. });
+pub fn warnings(warnings: &[MethodWarning]) -> Vec<String> {
+    let is_gap = |warning: &&MethodWarning| matches!(warning, MethodWarning::Gap { .. });
     let gaps = warnings.iter().filter(is_gap).count();
-    let others = warnings.iter().filter(|warning| !is_gap(warning)).map(FootInsWarning::text);
+    let others = warnings.iter().filter(|warning| !is_gap(warning)).map(MethodWarning::text);
     let first_gap = warnings.iter().find(is_gap).map(|first| match gaps {
         1 => first.text(),
         _ => format!("{} ({gaps} gaps, this is the first)", first.text()),

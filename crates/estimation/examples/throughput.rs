@@ -3,7 +3,8 @@
 //! With a path as argument the walk is also written there as CSV, with one more column that says where the detector
 //! called the foot still, so that a rival can do the same work on the same data: see `ci/rival.sh`.
 
-use adit_estimation::methods::foot_ins::{FootIns, FootInsError, FootInsParams};
+use adit_estimation::methods::MethodError;
+use adit_estimation::methods::foot_ins::{FootIns, FootInsParams};
 use adit_estimation::pedestrian::stance::{Stance, StanceDetector};
 use adit_observation::{ImuSample, Observation};
 use adit_simulation::{FootWalkScenario, ImuErrorModel, generate};
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// East coordinate at the end of the walk.
-fn track(observations: &[Observation]) -> Result<f64, FootInsError> {
+fn track(observations: &[Observation]) -> Result<f64, MethodError> {
     let mut method = FootIns::new(FootInsParams::default())?;
     let mut east = 0.0;
     for observation in observations {

@@ -6,9 +6,8 @@ mod support;
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
-use adit_estimation::methods::foot_ins::{
-    FixedLag, FootIns, FootInsError, FootInsParams, FootInsWarning, smooth,
-};
+use adit_estimation::methods::foot_ins::{FixedLag, FootIns, FootInsParams, smooth};
+use adit_estimation::methods::{MethodError, MethodWarning};
 use adit_observation::{ImuSample, MagneticSample, Observation};
 use support::sample;
 use support::walk::{Walk, run};
@@ -23,7 +22,7 @@ fn observed(samples: &[ImuSample]) -> Vec<Observation> {
     samples.iter().copied().map(Observation::Imu).collect()
 }
 
-fn outcome(samples: &[ImuSample]) -> Result<usize, FootInsError> {
+fn outcome(samples: &[ImuSample]) -> Result<usize, MethodError> {
     run(FootInsParams::default(), &observed(samples)).map(|(solutions, _)| solutions.len())
 }
 
@@ -41,7 +40,7 @@ fn rejects_a_value_that_is_no_number() {
                     0..3 => s.angular_rate_rad_s[axis] = broken,
                     _ => s.specific_force_m_s2[axis - 3] = broken,
                 }
-                assert_eq!(outcome(&samples), Err(FootInsError::NotFinite { time }));
+                assert_eq!(outcome(&samples), Err(MethodError::NotFinite { time }));
             }
         }
     }
@@ -55,7 +54,7 @@ fn rejects_time_that_stands_or_runs_backwards() {
             let before = samples[at - 1].time;
             samples[at].time = before - Interval::from_nanos(back_ns);
             let found = samples[at].time;
-            assert_eq!(outcome(&samples), Err(FootInsError::TimeNotRising { found, before }));
+            assert_eq!(outcome(&samples), Err(MethodError::TimeNotRising { found, before }));
         }
     }
 }
@@ -89,7 +88,7 @@ fn rejects_a_specific_force_in_g() {
         s.specific_force_m_s2 /= 9.80665;
     }
     let error = outcome(&samples).unwrap_err();
-    assert!(matches!(error, FootInsError::NotGravity { found, .. } if (found - 1.0).abs() < 1e-12));
+    assert!(matches!(error, MethodError::NotGravity { found, .. } if (found - 1.0).abs() < 1e-12));
     assert!(error.to_string().contains("is it in g"), "{error}");
 }
 
@@ -123,7 +122,7 @@ fn names_the_setting_that_is_out_of_range() {
         let mut params = FootInsParams::default();
         change(&mut params);
         let error = FootIns::new(params.clone()).unwrap_err();
-        assert_eq!(error, FootInsError::Setting { name: setting });
+        assert_eq!(error, MethodError::Setting { method: "foot-ins", name: setting });
         assert!(error.to_string().contains(setting));
         assert_eq!(FixedLag::new(params.clone(), 1.0).unwrap_err(), error);
         assert_eq!(smooth(params, &[], &mut |_| ()).unwrap_err(), error);
@@ -134,9 +133,9 @@ fn names_the_setting_that_is_out_of_range() {
 fn an_empty_log_is_an_error() {
     let magnetic = MagneticSample { time: Time::ZERO, field_ut: Vector3::x() * 40.0 };
     for observations in [vec![], vec![Observation::Magnetic(magnetic)]] {
-        assert_eq!(run(FootInsParams::default(), &observations).unwrap_err(), FootInsError::Empty);
+        assert_eq!(run(FootInsParams::default(), &observations).unwrap_err(), MethodError::Empty);
         let smoothed = smooth(FootInsParams::default(), &observations, &mut |_| ());
-        assert_eq!(smoothed.unwrap_err(), FootInsError::Empty);
+        assert_eq!(smoothed.unwrap_err(), MethodError::Empty);
     }
 }
 
@@ -153,7 +152,7 @@ fn a_walk_that_starts_in_motion_begins_at_its_first_stance() {
     let moving = walk.truth.iter().position(|t| !t.stance).unwrap() + 40;
     let samples = &walk.samples[moving..];
     let (solutions, report) = run(FootInsParams::default(), &observed(samples)).unwrap();
-    assert_eq!(report.warnings, [FootInsWarning::NoRestAtStart]);
+    assert_eq!(report.warnings, [MethodWarning::NoRestAtStart]);
     assert_eq!(solutions.len(), samples.len());
 
     let begun = solutions.iter().position(|s| s.quality != Quality::Lost).unwrap();
@@ -198,7 +197,7 @@ fn a_gap_is_warned_of_and_survived() {
     assert!(solutions.iter().map(|s| s.time).eq(samples.iter().map(|s| s.time)));
     let after = solutions.partition_point(|s| s.time.seconds() < from_s + 0.5 * lost_s);
     let expected = (samples[after].time - samples[after - 1].time).seconds();
-    let warning = FootInsWarning::Gap { time: samples[after].time, length_s: expected };
+    let warning = MethodWarning::Gap { time: samples[after].time, length_s: expected };
     assert_eq!(report.warnings, [warning]);
     assert!(report.warnings[0].text().contains("samples are missing"));
 

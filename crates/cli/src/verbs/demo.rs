@@ -4,7 +4,7 @@ use super::simulate::simulate;
 use super::track::{TrackReport, track};
 use crate::args::DemoArgs;
 use crate::map;
-use crate::method::Method;
+use crate::method::MethodName;
 use crate::output::{print, write_file};
 use crate::progress;
 use crate::scenario_file::Scenario;
@@ -32,7 +32,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     write_file(&filter_path, FILTER)?;
     let tracked = track(&TrackReport::arguments(
         made.log.clone(),
-        Method::FootIns,
+        MethodName::FootIns,
         filter_path,
         estimate_path.clone(),
         covariance_path,
@@ -60,7 +60,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
          end error   {end_m:.2} m{share}, {vertical_m:.2} m in height (position and heading matched at the start)\n\
          2D RMSE     {rmse_m:.3} m over the run (SE(2) alignment), largest {largest_m:.2} m\n\
          speed       {speed:.0} × real time\n",
-        method = Method::FootIns.name(),
+        method = MethodName::FootIns.name(),
         map = map::draw(&start.estimate, MAP.0, MAP.1),
         distance = report.travel.path_estimate_m,
         truth_m = report.travel.path_truth_m,

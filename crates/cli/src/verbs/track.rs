@@ -4,11 +4,12 @@ use crate::args::TrackArgs;
 use crate::interrupt;
 use crate::journey::Journey;
 use crate::log_stream::LogStream;
-use crate::method::{Method, MethodReport, Settings};
+use crate::method::{self, MethodName, with_settings};
 use crate::output::{self, Staged, Target};
 use crate::progress::{self, Progress, Unit};
 use adit_core::solution::Solution;
 use adit_core::trajectory::Pose;
+use adit_estimation::methods::{Estimates, MethodReport, MethodSettings};
 use adit_observation::Observation;
 use adit_observation::solution_csv::SolutionWriter;
 use adit_observation::tum::TumWriter;
@@ -40,6 +41,7 @@ pub fn run(args: &TrackArgs) -> Result<()> {
 #[derive(Debug, Serialize)]
 pub struct TrackReport {
     method: &'static str,
+    estimates: Estimates,
     logs: Vec<PathBuf>,
     smoothed: bool,
     lag_s: Option<f64>,
@@ -47,10 +49,13 @@ pub struct TrackReport {
     poses: u64,
     start_s: f64,
     duration_s: f64,
-    distance_m: f64,
-    end_from_start_2d_m: f64,
-    end_from_start_up_m: f64,
+    /// Nothing of these four where the method estimates attitude alone.
+    distance_m: Option<f64>,
+    end_from_start_2d_m: Option<f64>,
+    end_from_start_up_m: Option<f64>,
     end_radius_95_m: Option<f64>,
+    end_heading_sigma_deg: Option<f64>,
+    end_inclination_sigma_deg: Option<f64>,
     share_at_rest: Option<f64>,
     elapsed_s: f64,
     times_real_time: f64,
@@ -60,49 +65,56 @@ pub struct TrackReport {
 
 /// Tracks logs into files; the files appear only when all went well.
 pub fn track(args: &TrackArgs) -> Result<TrackReport> {
+    with_settings!(args.method, S => track_by::<S>(args))
+}
+
+fn track_by<S: MethodSettings>(args: &TrackArgs) -> Result<TrackReport> {
     let clock = Instant::now();
     let mut stream = LogStream::open(&args.logs)?;
-    let settings = args.method.settings(stream.sidecar(), args.config.as_deref())?;
+    let settings: S = method::settings(stream.sidecar(), args.config.as_deref())?;
     tracing::debug!("settings: {settings:?}");
     let mut outputs = Outputs::create(args)?;
     let run = if args.smooth {
-        smooth(&mut stream, &settings, &mut outputs)?
+        smooth(&mut stream, settings, &mut outputs)?
     } else {
-        filter(&mut stream, &settings, args.lag, &mut outputs)?
+        filter(&mut stream, settings, args.lag, &mut outputs)?
     };
     if outputs.journey.poses() == 0 {
-        bail!("{}: no inertial samples, expected some: {} needs them", stream.name(), args.method.name());
+        bail!("{}: no inertial samples, expected some: {} needs them", stream.name(), S::NAME);
     }
     let journey = outputs.finish()?;
     let mut warnings = stream.warnings();
     warnings.extend(stream.sidecar().and_then(|sidecar| args.method.objection(sidecar)));
-    warnings.extend(run.report.warnings.iter().cloned());
-    Ok(report(args, &run, &journey, warnings, clock.elapsed().as_secs_f64()))
+    warnings.extend(method::warnings(run.report.warnings()));
+    report::<S>(args, &run, &journey, warnings, clock.elapsed().as_secs_f64())
 }
 
 /// What a pass over the log leaves behind.
-struct Run {
+struct Run<Report> {
     inertial_samples: u64,
-    report: MethodReport,
+    report: Report,
 }
 
 /// One observation at a time, in bounded memory.
-fn filter(
+fn filter<S: MethodSettings>(
     stream: &mut LogStream,
-    settings: &Settings,
+    settings: S,
     lag_s: Option<f64>,
     outputs: &mut Outputs,
-) -> Result<Run> {
+) -> Result<Run<S::Report>> {
     let progress = Progress::new("tracking", Unit::Bytes, stream.bytes_total());
-    let mut tracker = settings.start(lag_s)?;
+    let mut method = match lag_s {
+        None => settings.start()?,
+        Some(lag_s) => settings.start_fixed_lag(lag_s)?,
+    };
     let (mut inertial_samples, mut count) = (0, 0_u64);
     while let Some(observation) = stream.next()? {
         inertial_samples += u64::from(matches!(observation, Observation::Imu(_)));
         let place = || format!("{}: at {} s", stream.name(), observation.time());
-        let mut solution = tracker.observe(&observation).with_context(place)?;
+        let mut solution = method.observe(&observation).with_context(place)?;
         while let Some(due) = solution {
             outputs.push(&due)?;
-            solution = tracker.next_due().with_context(place)?;
+            solution = method.next_due().with_context(place)?;
         }
         count += 1;
         if count.is_multiple_of(PULSE) {
@@ -110,14 +122,18 @@ fn filter(
             progress.at(stream.bytes_read());
         }
     }
-    while let Some(solution) = tracker.finish_next().with_context(|| stream.name())? {
+    while let Some(solution) = method.finish_next().with_context(|| stream.name())? {
         outputs.push(&solution)?;
     }
-    Ok(Run { inertial_samples, report: tracker.report()? })
+    Ok(Run { inertial_samples, report: method.report().clone() })
 }
 
 /// The whole log at once.
-fn smooth(stream: &mut LogStream, settings: &Settings, outputs: &mut Outputs) -> Result<Run> {
+fn smooth<S: MethodSettings>(
+    stream: &mut LogStream,
+    settings: S,
+    outputs: &mut Outputs,
+) -> Result<Run<S::Report>> {
     let mut log = Vec::new();
     {
         let progress = Progress::new("reading", Unit::Bytes, stream.bytes_total());
@@ -179,16 +195,18 @@ impl Outputs {
     }
 }
 
-fn report(
+fn report<S: MethodSettings>(
     args: &TrackArgs,
-    run: &Run,
+    run: &Run<S::Report>,
     journey: &Journey,
     warnings: Vec<String>,
     elapsed_s: f64,
-) -> TrackReport {
+) -> Result<TrackReport> {
     let back_m = journey.end_from_start_m();
-    TrackReport {
-        method: args.method.name(),
+    let path = S::ESTIMATES == Estimates::Path;
+    Ok(TrackReport {
+        method: S::NAME,
+        estimates: S::ESTIMATES,
         logs: args.logs.clone(),
         smoothed: args.smooth,
         lag_s: args.lag,
@@ -196,16 +214,18 @@ fn report(
         poses: journey.poses(),
         start_s: journey.times().map_or(0.0, |(first, _)| first.seconds()),
         duration_s: journey.duration_s(),
-        distance_m: journey.distance_m(),
-        end_from_start_2d_m: back_m.xy().norm(),
-        end_from_start_up_m: back_m.z,
-        end_radius_95_m: journey.radius_95_m(),
-        share_at_rest: run.report.share_at_rest,
+        distance_m: path.then_some(journey.distance_m()),
+        end_from_start_2d_m: path.then_some(back_m.xy().norm()),
+        end_from_start_up_m: path.then_some(back_m.z),
+        end_radius_95_m: journey.radius_95_m().filter(|_| path),
+        end_heading_sigma_deg: journey.heading_sigma_rad().map(f64::to_degrees),
+        end_inclination_sigma_deg: journey.inclination_sigma_rad().map(f64::to_degrees),
+        share_at_rest: run.report.share_at_rest(),
         elapsed_s,
         times_real_time: journey.duration_s() / elapsed_s.max(f64::MIN_POSITIVE),
         warnings,
-        method_report: run.report.details.clone(),
-    }
+        method_report: method::details(&run.report)?,
+    })
 }
 
 impl TrackReport {
@@ -222,11 +242,23 @@ impl TrackReport {
             "duration",
             format!("{:.1} s, {} inertial samples", self.duration_s, self.inertial_samples),
         );
-        text += &line("distance", format!("{:.2} m", self.distance_m));
-        let (level_m, up_m) = (self.end_from_start_2d_m, self.end_from_start_up_m);
-        text += &line("end", format!("{level_m:.2} m from the start, {up_m:+.2} m up"));
-        if let Some(radius_m) = self.end_radius_95_m {
-            text += &line("certainty", format!("the end is within {radius_m:.2} m (95 %)"));
+        if let Some(distance_m) = self.distance_m {
+            text += &line("distance", format!("{distance_m:.2} m"));
+        }
+        if let (Some(level_m), Some(up_m)) = (self.end_from_start_2d_m, self.end_from_start_up_m) {
+            text += &line("end", format!("{level_m:.2} m from the start, {up_m:+.2} m up"));
+        }
+        match (self.end_radius_95_m, self.end_heading_sigma_deg, self.end_inclination_sigma_deg) {
+            (Some(radius_m), ..) => {
+                text += &line("certainty", format!("the end is within {radius_m:.2} m (95 %)"));
+            }
+            (None, Some(heading_deg), Some(inclination_deg)) => {
+                let value = format!(
+                    "at the end heading ±{heading_deg:.1}°, inclination ±{inclination_deg:.1}° (1 σ)"
+                );
+                text += &line("certainty", value);
+            }
+            _ => {}
         }
         if let Some(share) = self.share_at_rest {
             text += &line("at rest", format!("{:.0} % of the time", 100.0 * share));
@@ -247,7 +279,7 @@ impl TrackReport {
     /// Settings of a plain run of a method, for verbs that track on the way.
     pub fn arguments(
         log: PathBuf,
-        method: Method,
+        method: MethodName,
         config: PathBuf,
         out: PathBuf,
         covariance: PathBuf,

@@ -1,3 +1,126 @@
-//! The positioning methods, one module each.
+//! The positioning methods, one module each, and what they have in common.
+//!
+//! A method is three structs: its settings ([`MethodSettings`], serialisable, the defaults serve everybody), its state
+//! (whatever implements [`Method`]; serialisable, so that a run can be stopped and continued bit for bit) and its
+//! [`MethodReport`]. Whoever drives one hands it observations and takes [`Solution`]s; nothing here reads a file.
+//!
+//! ```
+//! use adit_estimation::methods::{Method, MethodSettings, foot_ins::FootInsParams};
+//! # fn run(log: impl Iterator<Item = adit_observation::Observation>) -> Result<(), adit_estimation::methods::MethodError> {
+//! let mut method = FootInsParams::default().start()?;
+//! for observation in log {
+//!     let mut solution = method.observe(&observation)?;
+//!     while let Some(now) = solution {
+//!         assert!(now.position_m.norm() >= 0.0);
+//!         solution = method.next_due()?;
+//!     }
+//! }
+//! while let Some(last) = method.finish_next()? {
+//!     assert!(last.position_m.norm() >= 0.0);
+//! }
+//! # Ok(())
+//! # }
+//! # run(core::iter::empty()).unwrap_err();
+//! ```
 
+mod error;
 pub mod foot_ins;
+
+pub use error::{MethodError, MethodWarning};
+
+use adit_core::solution::Solution;
+use adit_observation::{ImuSpecification, Observation};
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt::Debug;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Which parts of a [`Solution`] a method estimates; the others are zero and mean nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimates {
+    /// Position, velocity and attitude.
+    Path,
+    /// Attitude alone: position and velocity are zero, with zero covariance.
+    Attitude,
+}
+
+/// What is known of a sensor and a site beside the log; a method takes what it can use.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Known {
+    /// Noise of the inertial sensor.
+    pub specification: Option<ImuSpecification>,
+    /// Angle from true to magnetic north, positive to the east, rad.
+    pub declination_rad: Option<f64>,
+}
+
+/// A method at work: observations in, solutions out, in bounded memory.
+pub trait Method {
+    /// What it says about its run.
+    type Report: MethodReport;
+
+    /// Takes the next observation; a solution may be late and carries its own time.
+    fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError>;
+
+    /// A further solution that the observations so far make due, if any.
+    fn next_due(&mut self) -> Result<Option<Solution>, MethodError>;
+
+    /// After the last observation: the solutions still owed, one by one, then `None`.
+    fn finish_next(&mut self) -> Result<Option<Solution>, MethodError>;
+
+    /// What the run did so far.
+    fn report(&self) -> &Self::Report;
+}
+
+/// What a method says about its run.
+pub trait MethodReport: Clone {
+    /// All it has to say, for a report in JSON.
+    fn details(&self) -> impl Serialize;
+
+    /// Share of the inertial samples at which the sensor was at rest or the foot stood, 0 to 1.
+    fn share_at_rest(&self) -> Option<f64>;
+
+    /// Odd things that the method met.
+    fn warnings(&self) -> &[MethodWarning];
+}
+
+/// All that is fixed before the first observation, and the start of the method.
+pub trait MethodSettings: Clone + Debug + Default + Serialize + DeserializeOwned {
+    /// What a run leaves behind.
+    type Report: MethodReport;
+
+    /// Name on the command line.
+    const NAME: &'static str;
+    /// What the solutions hold.
+    const ESTIMATES: Estimates = Estimates::Path;
+    /// Whether [`Self::start_fixed_lag`] exists.
+    const FIXED_LAG: bool = false;
+    /// Whether [`Self::smooth`] exists.
+    const WHOLE_LOG: bool = false;
+
+    /// These settings with what is known of the sensor and the site.
+    #[must_use]
+    fn knowing(self, known: &Known) -> Self;
+
+    /// Starts the method, streaming.
+    fn start(self) -> Result<Box<dyn Method<Report = Self::Report>>, MethodError>;
+
+    /// Starts the method with solutions smoothed over `lag_s` seconds, still streaming.
+    fn start_fixed_lag(self, lag_s: f64) -> Result<Box<dyn Method<Report = Self::Report>>, MethodError> {
+        let _ = lag_s;
+        Err(MethodError::NoSmoother { method: Self::NAME, over: "a fixed lag" })
+    }
+
+    /// Runs the method over a whole log and smooths it.
+    ///
+    /// `progress` hears of the work done, from 0 to twice the number of observations.
+    fn smooth(
+        self,
+        log: &[Observation],
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<(Vec<Solution>, Self::Report), MethodError> {
+        let _ = (log, progress);
+        Err(MethodError::NoSmoother { method: Self::NAME, over: "the whole log" })
+    }
+}

@@ -3,7 +3,8 @@
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::Solution;
-use adit_estimation::methods::foot_ins::{FootIns, FootInsError, FootInsParams, FootInsReport};
+use adit_estimation::methods::MethodError;
+use adit_estimation::methods::foot_ins::{FootIns, FootInsParams, FootInsReport};
 use adit_observation::{ImuSample, Observation};
 use adit_simulation::{FootWalkScenario, ImuErrorModel, Leg, SimulationError, TruthState, generate};
 
@@ -88,7 +89,7 @@ pub fn path_length_m(positions: impl IntoIterator<Item = Vector3<f64>>) -> f64 {
 pub fn run(
     params: FootInsParams,
     observations: &[Observation],
-) -> Result<(Vec<Solution>, FootInsReport), FootInsError> {
+) -> Result<(Vec<Solution>, FootInsReport), MethodError> {
     let mut method = FootIns::new(params)?;
     let mut solutions = Vec::new();
     for observation in observations {

@@ -13,12 +13,11 @@
 //!
 //! Frames: local level ENU, z up, origin at the first sample; heading by magnetometer, else the body's x axis is north.
 
-mod error;
 mod foot_filter;
+mod method;
 mod params;
 pub mod smoothing;
 
-pub use error::{FootInsError, FootInsWarning};
 pub use foot_filter::FootFilter;
 pub use params::{
     FootInsParams, HeadingAid, InitialSigma, RestGravityParams, ZeroRateParams, ZeroVelocityParams,
@@ -27,6 +26,7 @@ pub use smoothing::{FixedLag, smooth};
 
 use crate::inertial::alignment::RestAlignment;
 use crate::kalman::Innovation;
+use crate::methods::{MethodError, MethodWarning};
 use crate::pedestrian::stance::{Stance, StanceDetector};
 use adit_core::solution::Solution;
 use adit_core::time::Time;
@@ -34,6 +34,8 @@ use adit_observation::{ImuSample, Observation};
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
+/// Name of the method.
+const NAME: &str = "foot-ins";
 /// Warnings kept in a report; later ones of a broken log are only counted by their effect.
 const WARNINGS_KEPT: usize = 100;
 
@@ -65,7 +67,7 @@ pub struct FootInsReport {
     /// True when the heading came from the magnetometer.
     pub magnetic_heading: bool,
     /// Warnings, at most the first hundred.
-    pub warnings: Vec<FootInsWarning>,
+    pub warnings: Vec<MethodWarning>,
 }
 
 impl FootInsReport {
@@ -83,9 +85,9 @@ impl FootInsReport {
         stance: &Stance,
         innovation: Option<&Innovation>,
         finite: bool,
-    ) -> Result<(), FootInsError> {
+    ) -> Result<(), MethodError> {
         if let Some(length_s) = gap {
-            self.warn(FootInsWarning::Gap { time, length_s });
+            self.warn(MethodWarning::Gap { time, length_s });
         }
         self.samples += 1;
         self.still_samples += u64::from(stance.is_still());
@@ -97,10 +99,10 @@ impl FootInsReport {
             Some(_) => self.rejected_updates += 1,
             None => {}
         }
-        if finite { Ok(()) } else { Err(FootInsError::Diverged { time }) }
+        if finite { Ok(()) } else { Err(MethodError::Diverged { time }) }
     }
 
-    fn warn(&mut self, warning: FootInsWarning) {
+    fn warn(&mut self, warning: MethodWarning) {
         if self.warnings.len() < WARNINGS_KEPT {
             self.warnings.push(warning);
         }
@@ -109,9 +111,9 @@ impl FootInsReport {
 
 impl FootIns {
     /// A walker of whom nothing is known yet.
-    pub fn new(params: FootInsParams) -> Result<Self, FootInsError> {
+    pub fn new(params: FootInsParams) -> Result<Self, MethodError> {
         if let Some(name) = params.unusable() {
-            return Err(FootInsError::Setting { name });
+            return Err(MethodError::Setting { method: NAME, name });
         }
         Ok(Self {
             detector: StanceDetector::new(params.stance.clone(), params.gravity_m_s2),
@@ -128,7 +130,7 @@ impl FootIns {
     ///
     /// Where samples come slower than before, more than one may be due: [`Self::next_due`] hands out the rest.
     #[inline]
-    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
+    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
         match self.take(observation)? {
             Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
@@ -136,7 +138,7 @@ impl FootIns {
     }
 
     /// A further solution that the observations so far make due, if any.
-    pub fn next_due(&mut self) -> Result<Option<Solution>, FootInsError> {
+    pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
         match self.filter.is_some().then(|| self.detector.pop()).flatten() {
             Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
@@ -144,7 +146,7 @@ impl FootIns {
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
-    pub fn finish_next(&mut self) -> Result<Option<Solution>, FootInsError> {
+    pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         match self.drain()? {
             Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
@@ -168,7 +170,7 @@ impl FootIns {
 
     /// Checks an observation and hands it to alignment and detector; returns the sample that is now due.
     #[inline]
-    fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, FootInsError> {
+    fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, MethodError> {
         let imu = match observation {
             Observation::Imu(imu) => imu,
             Observation::Magnetic(magnetic) => {
@@ -179,12 +181,12 @@ impl FootIns {
             }
         };
         if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
-            return Err(FootInsError::NotFinite { time: imu.time });
+            return Err(MethodError::NotFinite { time: imu.time });
         }
         if let Some(before) = self.latest
             && imu.time <= before
         {
-            return Err(FootInsError::TimeNotRising { found: imu.time, before });
+            return Err(MethodError::TimeNotRising { found: imu.time, before });
         }
         self.latest = Some(imu.time);
         self.detector.push(*imu);
@@ -199,7 +201,7 @@ impl FootIns {
         Ok(self.detector.pop())
     }
 
-    fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, FootInsError> {
+    fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, MethodError> {
         if self.filter.is_none() {
             self.align()?;
         }
@@ -207,17 +209,17 @@ impl FootIns {
     }
 
     /// Levels the sensor and starts the filter at the first sample.
-    fn align(&mut self) -> Result<(), FootInsError> {
-        let first = self.first.ok_or(FootInsError::Empty)?;
+    fn align(&mut self) -> Result<(), MethodError> {
+        let first = self.first.ok_or(MethodError::Empty)?;
         let gravity = self.params.gravity_m_s2;
-        let aligned = self.alignment.align(self.params.declination_rad).ok_or(FootInsError::NoForce)?;
+        let aligned = self.alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
         if aligned.at_rest {
             if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
-                return Err(FootInsError::NotGravity { found: aligned.force_m_s2, expected: gravity });
+                return Err(MethodError::NotGravity { found: aligned.force_m_s2, expected: gravity });
             }
             self.detector.set_rest_force(aligned.force_m_s2);
         } else {
-            self.report.warn(FootInsWarning::NoRestAtStart);
+            self.report.warn(MethodWarning::NoRestAtStart);
         }
         self.report.magnetic_heading = aligned.magnetic;
         self.filter = Some(FootFilter::new(&self.params, first, &aligned));
@@ -226,8 +228,8 @@ impl FootIns {
 
     /// Predict, and in stance update: the method.
     #[inline]
-    fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Option<Solution>, FootInsError> {
-        let filter = self.filter.as_mut().ok_or(FootInsError::Empty)?;
+    fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Option<Solution>, MethodError> {
+        let filter = self.filter.as_mut().ok_or(MethodError::Empty)?;
         let gap = filter.gap_before(imu);
         filter.predict(imu);
         let innovation = filter.correct(imu, stance, &mut ());

@@ -1,8 +1,9 @@
 //! Smoothing of `foot-ins`: the whole log, or a fixed lag while it streams.
 
 use super::foot_filter::FootFilter;
-use super::{FootIns, FootInsError, FootInsParams, FootInsReport};
+use super::{FootIns, FootInsParams, FootInsReport, NAME};
 use crate::inertial::smoother::{Adjoint, Corrections, Record};
+use crate::methods::MethodError;
 use crate::pedestrian::stance::Stance;
 use adit_core::solution::Solution;
 use adit_core::time::Interval;
@@ -22,7 +23,7 @@ pub fn smooth(
     params: FootInsParams,
     observations: &[Observation],
     progress: &mut dyn FnMut(usize),
-) -> Result<(Vec<Solution>, FootInsReport), FootInsError> {
+) -> Result<(Vec<Solution>, FootInsReport), MethodError> {
     let mut method = FootIns::new(params)?;
     let mut tape: Vec<(ImuSample, Stance)> = Vec::new();
     let mut kept: Vec<FootFilter> = Vec::new();
@@ -79,15 +80,15 @@ pub struct FixedLag {
 
 impl FixedLag {
     /// Smooths with a lag in seconds (0.1 to 60).
-    pub fn new(params: FootInsParams, lag_s: f64) -> Result<Self, FootInsError> {
+    pub fn new(params: FootInsParams, lag_s: f64) -> Result<Self, MethodError> {
         let lag = Interval::from_seconds(lag_s)
             .filter(|_| (0.1..=60.0).contains(&lag_s))
-            .ok_or(FootInsError::Setting { name: "lag (0.1 to 60 s)" })?;
+            .ok_or(MethodError::Setting { method: NAME, name: "lag (0.1 to 60 s)" })?;
         Ok(Self { method: FootIns::new(params)?, lag, records: VecDeque::new(), ready: VecDeque::new() })
     }
 
     /// One observation in, at most one solution out.
-    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, FootInsError> {
+    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
         let mut due = self.method.take(observation)?;
         while let Some((imu, stance)) = due {
             self.push(&imu, &stance)?;
@@ -102,7 +103,7 @@ impl FixedLag {
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
-    pub fn finish_next(&mut self) -> Result<Option<Solution>, FootInsError> {
+    pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         while let Some((imu, stance)) = self.method.drain()? {
             self.push(&imu, &stance)?;
         }
@@ -118,8 +119,8 @@ impl FixedLag {
         self.method.report()
     }
 
-    fn push(&mut self, imu: &ImuSample, stance: &Stance) -> Result<(), FootInsError> {
-        let filter = self.method.filter.as_mut().ok_or(FootInsError::Empty)?;
+    fn push(&mut self, imu: &ImuSample, stance: &Stance) -> Result<(), MethodError> {
+        let filter = self.method.filter.as_mut().ok_or(MethodError::Empty)?;
         let gap = filter.gap_before(imu);
         let record = record(filter, imu, stance);
         let finite = filter.is_finite();

@@ -1,17 +1,27 @@
-//! What can go wrong, and what is only worth a warning.
+//! What can go wrong in a method, and what is only worth a warning: the same for all of them.
 
 use adit_core::time::Time;
 use alloc::string::String;
 use serde::{Deserialize, Serialize};
 
-/// Why `foot-ins` cannot go on.
+/// Why a method cannot go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum FootInsError {
+pub enum MethodError {
     /// A setting is negative, zero or not finite where it must not be.
-    #[error("setting {name} of foot-ins cannot be used: it must be a finite number in its range")]
+    #[error("setting {name} of {method} cannot be used: it must be a finite number in its range")]
     Setting {
+        /// Name of the method.
+        method: &'static str,
         /// Name of the setting.
         name: &'static str,
+    },
+    /// The method has no smoother of this kind.
+    #[error("{method} does not smooth over {over}")]
+    NoSmoother {
+        /// Name of the method.
+        method: &'static str,
+        /// What was to be smoothed over.
+        over: &'static str,
     },
     /// A sample holds a NaN or an infinity.
     #[error("IMU sample at {time} s holds a value that is not a finite number")]
@@ -54,7 +64,7 @@ pub enum FootInsError {
 /// What a user should know of a run that went on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum FootInsWarning {
+pub enum MethodWarning {
     /// The foot moves at the start of the log: the walk begins, with its origin, at the first stance.
     NoRestAtStart,
     /// Samples are missing: nothing was integrated over the gap.
@@ -66,7 +76,7 @@ pub enum FootInsWarning {
     },
 }
 
-impl FootInsWarning {
+impl MethodWarning {
     /// One line for people.
     pub fn text(&self) -> String {
         match self {
