@@ -1,5 +1,6 @@
 //! Positioning methods: observations in, solutions and innovations out.
 //!
+//! - [`attitude`]: which way a tag is turned, from gyro, accelerometer and magnetometer.
 //! - [`kalman`]: what every filter shares: the measurement model and its [`kalman::Innovation`].
 //! - [`inertial`]: alignment at rest, strapdown integration, the error-state filter and its smoother.
 //! - [`pedestrian`]: what is true of people: when a foot stands still.
@@ -10,6 +11,7 @@
 
 extern crate alloc;
 
+pub mod attitude;
 pub mod inertial;
 pub mod kalman;
 pub mod methods;

@@ -3,6 +3,8 @@
 //! A sensor is one implementation of a measurement model: it compares what was measured with what the state predicts,
 //! and says how the difference depends on the error state ([`Linearised`]). The filter never changes for a new sensor.
 
+pub mod blocks;
+
 use adit_core::nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -23,6 +23,7 @@
 //! # run(core::iter::empty()).unwrap_err();
 //! ```
 
+pub mod ahrs;
 mod error;
 pub mod foot_ins;
 
