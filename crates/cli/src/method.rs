@@ -17,6 +17,8 @@ pub enum MethodName {
     FootIns,
     /// Inertial sensor and magnetometer on the foot: as foot-ins, heading by the field where it is undisturbed
     MargIns,
+    /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
+    Ahrs,
 }
 
 /// Evaluates an expression in which `$settings` is the type of the settings of the method of that name.
@@ -29,6 +31,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::MargIns => {
                 type $settings = adit_estimation::methods::marg_ins::MargInsParams;
+                $body
+            }
+            $crate::method::MethodName::Ahrs => {
+                type $settings = adit_estimation::methods::ahrs::AhrsParams;
                 $body
             }
         }
@@ -55,7 +61,7 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (_, None | Some(Location::Foot)) => None,
+            (_, None | Some(Location::Foot)) | (Self::Ahrs, _) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
