@@ -105,7 +105,8 @@ impl SensorRows {
             if repeated {
                 self.warnings.repeated(&self.file, at);
             }
-            if row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some() || row.field_ut.is_some() {
+            if row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some() || row.field_ut.is_some()
+            {
                 return Ok(Some(row));
             }
         }

@@ -9,6 +9,7 @@ use crate::attitude::state::{
     ACC_BIAS, ATTITUDE, AttitudeState, BLOCKS, DELAY, DOWN, FIELD, GYRO_BIAS, GYRO_SCALE, HORIZONTAL, OFFSET,
     VELOCITY,
 };
+use crate::inertial::alignment::Aligned;
 use crate::kalman::MeasurementModel;
 use crate::kalman::blocks::{BlockCovariance, BlockUpdate, Coupling};
 use adit_core::attitude::{self, Attitude};
@@ -20,9 +21,8 @@ const SLACK_S: f64 = 1e-4;
 /// Before the first field its direction and strength are unknown: standard deviations, rad and µT.
 const UNKNOWN_HEADING_RAD: f64 = 1.0;
 const UNKNOWN_FIELD_UT: f64 = 30.0;
-/// Rate of turn over a gap in the log, standard deviation, rad/s, and its greatest effect, rad.
+/// Rate of turn over a gap in the log, standard deviation, rad/s.
 const GAP_RATE_RAD_S: f64 = 0.5;
-const GAP_TURN_RAD: f64 = 1.0;
 
 /// Block of the error state that a [`Recorder`] hears was forgotten, and which components of it.
 pub type Forgotten = (usize, &'static [usize]);
@@ -107,10 +107,25 @@ impl AttitudeFilter {
         self.update_field(&interval, recorder);
     }
 
-    /// Nothing is known of the motion over a gap in the log.
-    pub fn cross_gap(&mut self, gap_s: f64) {
-        let turn = (GAP_RATE_RAD_S * gap_s).min(GAP_TURN_RAD);
-        self.covariance.inflate(ATTITUDE, &Matrix3::from_diagonal_element(turn * turn));
+    /// Starts again after a gap in the log, of whose motion nothing is known, with what alignment says of the tilt and,
+    /// with a magnetometer, of the heading. What was learnt of the sensors and of the field is kept.
+    pub fn realign(&mut self, aligned: &Aligned, gap_s: f64) {
+        let heading_rad = if self.magnetic && aligned.field.is_some() {
+            let local = Vector3::new(0.0, 0.0, -self.state.local_declination_rad);
+            self.state.attitude = attitude::turn_navigation(&aligned.attitude, &local);
+            UNKNOWN_HEADING_RAD
+        } else {
+            // The least turn that levels the tag.
+            let up = self.state.attitude * (aligned.attitude.inverse() * Vector3::z());
+            if let Some(turn) = UnitQuaternion::rotation_between(&up, &Vector3::z()) {
+                self.state.attitude = turn * self.state.attitude;
+            }
+            (GAP_RATE_RAD_S * gap_s).min(UNKNOWN_HEADING_RAD)
+        };
+        let tilt = self.params.initial.tilt_rad * self.params.initial.tilt_rad;
+        let heading = self.covariance.block(ATTITUDE, ATTITUDE)[(2, 2)] + heading_rad * heading_rad;
+        self.covariance.forget(ATTITUDE, &[0, 1], tilt);
+        self.covariance.forget(ATTITUDE, &[2], heading);
         self.covariance.forget(VELOCITY, &[0, 1, 2], self.params.velocity_m_s * self.params.velocity_m_s);
         self.state.velocity_m_s = Vector3::zeros();
         self.interval = Interval::default();
@@ -230,8 +245,10 @@ impl AttitudeFilter {
             _ => return self.adopt(verdict, recorder),
         };
         let p = &self.params;
-        let anomaly =
-            2.0 * p.field_anomaly_ut * p.field_anomaly_ut * p.field_anomaly_time_s / interval.length_s;
+        // A tag at rest sees the same place all the time: what it learns there is worth one more look, however long.
+        let looks = self.still_s / p.field_anomaly_time_s;
+        let correlated_s = p.field_anomaly_time_s * (1.0 + looks * looks);
+        let anomaly = 2.0 * p.field_anomaly_ut * p.field_anomaly_ut * correlated_s / interval.length_s;
         let model = MeanField {
             field_ut,
             rotation,

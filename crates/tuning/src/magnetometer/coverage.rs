@@ -113,7 +113,10 @@ pub fn largest_sd(covariance: &ParameterMatrix) -> f64 {
     directions_everywhere().map(sd).fold(0.0, f64::max)
 }
 
-fn amplification(information: &Cholesky<f64, adit_core::nalgebra::Const<PARAMETERS>>, u: &Vector3<f64>) -> f64 {
+fn amplification(
+    information: &Cholesky<f64, adit_core::nalgebra::Const<PARAMETERS>>,
+    u: &Vector3<f64>,
+) -> f64 {
     let slope = slope(u);
     let variance = slope.dot(&information.solve(&slope));
     if variance.is_finite() && variance > 0.0 { variance.sqrt() } else { f64::INFINITY }
@@ -126,7 +129,11 @@ fn cell(u: &Vector3<f64>) -> usize {
     for count in RINGS {
         let top = 2.0 * (below + count) as f64 / CELLS as f64 - 1.0;
         if u.z <= top || below + count == CELLS {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to the count of the ring")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "0 to the count of the ring"
+            )]
             let along = ((turn * count as f64) as usize).min(count - 1);
             return below + along;
         }

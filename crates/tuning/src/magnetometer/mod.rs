@@ -163,7 +163,8 @@ impl Scaled {
         let origin = Vector3::from_fn(|axis, _| middle(axis).unwrap_or_default());
         let mut lengths: Vec<f64> = readings.iter().map(|r| (r - origin).norm()).collect();
         let scale = robust::quantile(&mut lengths, 0.9).filter(|s| *s > 0.0 && s.is_finite());
-        let scale = scale.ok_or_else(|| TuningError::NoEllipsoid { what: "they are all alike".to_owned() })?;
+        let scale =
+            scale.ok_or_else(|| TuningError::NoEllipsoid { what: "they are all alike".to_owned() })?;
         let points = readings.iter().map(|r| (r - origin) / scale).collect();
         Ok(Self { points, origin, scale })
     }

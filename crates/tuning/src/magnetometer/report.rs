@@ -99,7 +99,12 @@ pub struct MagnetometerFit {
     pub warnings: Vec<String>,
 }
 
-pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignment: &Alignment) -> Vec<String> {
+pub(super) fn warnings(
+    tumble: &Tumble,
+    fitted: &Fitted,
+    outliers: usize,
+    alignment: &Alignment,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let place_percent = 100.0 * fitted.errors.place;
     if place_percent > UNEVEN_PERCENT {
@@ -111,7 +116,10 @@ pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignm
     let readings = tumble.field_ut.readings();
     let share = 100.0 * outliers as f64 / readings.len() as f64;
     if share > MANY_OUTLIERS_PERCENT {
-        warnings.push(format!("{share:.1} % of the readings are outliers{}", at_the_range(tumble, fitted, outliers)));
+        warnings.push(format!(
+            "{share:.1} % of the readings are outliers{}",
+            at_the_range(tumble, fitted, outliers)
+        ));
     }
     let origin = tumble.field_ut.times().first().copied().unwrap_or(Time::default());
     let sensors = [
@@ -122,7 +130,9 @@ pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignm
     for (sensor, series) in sensors {
         if clock::evened(&series.seconds_from(origin)).is_some() {
             let rate_hz = (series.len() - 1) as f64 / series.duration_s();
-            warnings.push(format!("stamps of the {sensor} come in bursts: an even clock of {rate_hz:.1} Hz was used"));
+            warnings.push(format!(
+                "stamps of the {sensor} come in bursts: an even clock of {rate_hz:.1} Hz was used"
+            ));
         }
     }
     if alignment.source == AlignmentSource::Assumed {

@@ -34,7 +34,8 @@ pub fn thinned(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
             continue;
         }
         let middle = Vector3::from_fn(|axis, _| {
-            let mut values = [window[0][axis], window[1][axis], window[2][axis], window[3][axis], window[4][axis]];
+            let mut values =
+                [window[0][axis], window[1][axis], window[2][axis], window[3][axis], window[4][axis]];
             values.sort_by(f64::total_cmp);
             values[2]
         });

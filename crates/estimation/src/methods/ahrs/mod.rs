@@ -35,14 +35,12 @@ pub type AhrsParams = AttitudeParams;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Ahrs {
     params: AhrsParams,
-    /// Observations until the alignment, and then those not yet worked off.
+    /// Observations not yet worked off: those that alignment waits for, or for which nobody has asked yet.
     held: VecDeque<Observation>,
-    alignment: RestAlignment,
-    first: Option<Time>,
+    /// Time of the last inertial sample taken in, and of the last that went through the filter.
     latest: Option<Time>,
-    filter: Option<AttitudeFilter>,
-    /// Time of the last sample that went through the filter.
     time: Option<Time>,
+    filter: Option<AttitudeFilter>,
     report: AhrsReport,
 }
 
@@ -52,16 +50,8 @@ impl Ahrs {
         if let Some(name) = params.unusable() {
             return Err(MethodError::Setting { method: NAME, name });
         }
-        Ok(Self {
-            params,
-            held: VecDeque::new(),
-            alignment: RestAlignment::default(),
-            first: None,
-            latest: None,
-            filter: None,
-            time: None,
-            report: AhrsReport::default(),
-        })
+        let (held, report) = (VecDeque::new(), AhrsReport::default());
+        Ok(Self { params, held, latest: None, time: None, filter: None, report })
     }
 
     /// One observation in, at most one solution out; those of the first moments come with [`Self::next_due`].
@@ -73,15 +63,12 @@ impl Ahrs {
     /// A further solution that the observations so far make due, if any.
     #[inline]
     pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
-        if self.filter.is_none() || self.held.is_empty() { Ok(None) } else { self.work_off(&mut ()) }
+        if self.held.is_empty() { Ok(None) } else { self.work_off(false, &mut ()) }
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
-        if self.filter.is_none() {
-            self.align()?;
-        }
-        self.work_off(&mut ())
+        self.finish_next_with(&mut ())
     }
 
     /// What the run did so far.
@@ -94,6 +81,7 @@ impl Ahrs {
         self.filter.as_ref()
     }
 
+    #[inline]
     fn observe_with(
         &mut self,
         observation: &Observation,
@@ -115,46 +103,86 @@ impl Ahrs {
             Observation::Magnetic(magnetic) if !finite(&magnetic.field_ut) => return Ok(None),
             Observation::Magnetic(_) => {}
         }
-        if self.filter.is_some() && self.held.is_empty() {
+        if self.held.is_empty() && self.gap_before(observation).is_none() {
             return self.advance(observation, recorder);
         }
         self.held.push_back(*observation);
-        if self.filter.is_none() {
-            match observation {
-                Observation::Imu(imu) => self.alignment.observe_imu(imu),
-                Observation::Magnetic(magnetic) => self.alignment.observe_magnetic(magnetic),
-            }
-            let elapsed_s = (observation.time() - *self.first.get_or_insert(observation.time())).seconds();
-            if elapsed_s < self.params.interval_s && self.held.len() < MOST_HELD {
-                return Ok(None);
-            }
-            self.align()?;
-        }
-        self.work_off(recorder)
+        self.work_off(false, recorder)
     }
 
-    /// Levels the tag with all that is held.
-    fn align(&mut self) -> Result<(), MethodError> {
+    fn finish_next_with(
+        &mut self,
+        recorder: &mut impl AhrsRecorder,
+    ) -> Result<Option<Solution>, MethodError> {
         if self.latest.is_none() {
             return Err(MethodError::Empty);
         }
-        let aligned = self.alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
-        if aligned.at_rest && !(0.5..=1.5).contains(&(aligned.force_m_s2 / self.params.gravity_m_s2)) {
-            let (found, expected) = (aligned.force_m_s2, self.params.gravity_m_s2);
-            return Err(MethodError::NotGravity { found, expected });
-        }
-        self.filter = Some(AttitudeFilter::new(&self.params, aligned.attitude));
-        Ok(())
+        self.work_off(true, recorder)
     }
 
-    /// Takes what is held up to the next inertial sample.
-    fn work_off(&mut self, recorder: &mut impl AhrsRecorder) -> Result<Option<Solution>, MethodError> {
-        while let Some(observation) = self.held.pop_front() {
+    /// Time before an observation over which the filter cannot go, s: infinite before the first.
+    #[inline]
+    fn gap_before(&self, observation: &Observation) -> Option<f64> {
+        let Some(time) = self.time else { return Some(f64::INFINITY) };
+        let interval_s = (observation.time() - time).seconds();
+        (matches!(observation, Observation::Imu(_)) && interval_s > self.params.gap_s).then_some(interval_s)
+    }
+
+    /// Takes what is held up to the next inertial sample; at a gap only once it is enough to align on, or all there is.
+    fn work_off(
+        &mut self,
+        all_there_is: bool,
+        recorder: &mut impl AhrsRecorder,
+    ) -> Result<Option<Solution>, MethodError> {
+        while let (Some(first), Some(last)) = (self.held.front(), self.held.back()) {
+            if let Some(gap_s) = self.gap_before(first) {
+                let held_s = (last.time() - first.time()).seconds();
+                if !all_there_is && held_s < self.params.interval_s && self.held.len() < MOST_HELD {
+                    return Ok(None);
+                }
+                self.align(gap_s, recorder)?;
+            }
+            let Some(observation) = self.held.pop_front() else { break };
             if let Some(solution) = self.advance(&observation, recorder)? {
                 return Ok(Some(solution));
             }
         }
         Ok(None)
+    }
+
+    /// Levels the tag with what is held of the first moments after a gap.
+    fn align(&mut self, gap_s: f64, recorder: &mut impl AhrsRecorder) -> Result<(), MethodError> {
+        let mut alignment = RestAlignment::default();
+        let mut first = None;
+        for observation in &self.held {
+            let elapsed_s = (observation.time() - *first.get_or_insert(observation.time())).seconds();
+            if elapsed_s > self.params.interval_s {
+                break;
+            }
+            match observation {
+                Observation::Imu(imu) => alignment.observe_imu(imu),
+                Observation::Magnetic(magnetic) => alignment.observe_magnetic(magnetic),
+            }
+        }
+        let aligned = alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
+        if aligned.at_rest && !(0.5..=1.5).contains(&(aligned.force_m_s2 / self.params.gravity_m_s2)) {
+            let (found, expected) = (aligned.force_m_s2, self.params.gravity_m_s2);
+            return Err(MethodError::NotGravity { found, expected });
+        }
+        match &mut self.filter {
+            None => self.filter = Some(AttitudeFilter::new(&self.params, aligned.attitude)),
+            Some(filter) => {
+                if filter.pending_s() > 0.0 {
+                    correct(filter, recorder);
+                }
+                recorder.gap();
+                filter.realign(&aligned, gap_s);
+                let time = first.unwrap_or_default();
+                self.report.warn(MethodWarning::Gap { time, length_s: gap_s });
+            }
+        }
+        self.time = first;
+        Ok(())
     }
 
     /// Propagate, and once an interval correct: the method.
@@ -167,7 +195,6 @@ impl Ahrs {
         let Some(filter) = self.filter.as_mut() else { return Err(MethodError::Empty) };
         match observation {
             Observation::Magnetic(magnetic) => {
-                // A field before the first inertial sample belongs to it.
                 let lead_s = self.time.map_or(0.0, |time| (magnetic.time - time).seconds());
                 if lead_s.abs() <= self.params.gap_s {
                     filter.add_field(&magnetic.field_ut, lead_s);
@@ -177,19 +204,9 @@ impl Ahrs {
             Observation::Imu(imu) => {
                 let interval_s = self.time.map_or(0.0, |time| (imu.time - time).seconds());
                 self.time = Some(imu.time);
-                if interval_s > self.params.gap_s {
-                    if filter.pending_s() > 0.0 {
-                        correct(filter, recorder);
-                    }
-                    filter.cross_gap(interval_s);
-                    recorder.gap();
-                    recorder.sample();
-                    self.report.warn(MethodWarning::Gap { time: imu.time, length_s: interval_s });
-                } else {
-                    recorder.sample();
-                    if filter.propagate(&imu.angular_rate_rad_s, &imu.specific_force_m_s2, interval_s) {
-                        correct(filter, recorder);
-                    }
+                recorder.sample();
+                if filter.propagate(&imu.angular_rate_rad_s, &imu.specific_force_m_s2, interval_s) {
+                    correct(filter, recorder);
                 }
                 self.report.note(filter);
                 let solution = solution(imu.time, filter);

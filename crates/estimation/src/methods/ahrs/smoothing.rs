@@ -27,14 +27,11 @@ pub fn smooth(
         let mut solution = ahrs.observe_with(observation, &mut memory)?;
         while let Some(now) = solution {
             solutions.push(now);
-            solution = if ahrs.held.is_empty() { None } else { ahrs.work_off(&mut memory)? };
+            solution = ahrs.work_off(false, &mut memory)?;
         }
         progress(done);
     }
-    if ahrs.filter.is_none() {
-        ahrs.align()?;
-    }
-    while let Some(last) = ahrs.work_off(&mut memory)? {
+    while let Some(last) = ahrs.finish_next_with(&mut memory)? {
         solutions.push(last);
     }
     let intervals = memory.record.intervals().max(1);

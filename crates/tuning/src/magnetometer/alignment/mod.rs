@@ -145,8 +145,9 @@ impl Alignment {
 
 fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
     let sd_deg = fit.sd_rad.max().to_degrees();
-    (sd_deg > LARGEST_SD_DEG)
-        .then(|| format!("{what} leaves {sd_deg:.1}° of uncertainty in the axes, expected {LARGEST_SD_DEG}° or less"))
+    (sd_deg > LARGEST_SD_DEG).then(|| {
+        format!("{what} leaves {sd_deg:.1}° of uncertainty in the axes, expected {LARGEST_SD_DEG}° or less")
+    })
 }
 
 /// Direction of up in the inertial sensor at the times of the field, where the sensor was calm.
@@ -180,7 +181,9 @@ fn dip(sensed: &Sensed<'_>, alignment: &Alignment) -> Option<(f64, f64)> {
     let up = up(sensed, alignment.lag_s)?;
     let both = sensed.field.iter().zip(&up).filter_map(|(field, up)| Some((((*field)?), ((*up)?))));
     let dips: Vec<f64> = both
-        .map(|(field, up)| (-(alignment.rotation * field).normalize().dot(&up)).clamp(-1.0, 1.0).asin().to_degrees())
+        .map(|(field, up)| {
+            (-(alignment.rotation * field).normalize().dot(&up)).clamp(-1.0, 1.0).asin().to_degrees()
+        })
         .collect();
     if dips.len() < FEWEST_CALM {
         return None;
