@@ -161,7 +161,7 @@ impl Default for AttitudeInitialSigma {
             gyro_bias_rad_s: 0.05,
             gyro_scale: 0.003,
             acc_bias_m_s2: 0.03,
-            offset_ut: 0.5,
+            offset_ut: 1.0,
             delay_s: 0.01,
         }
     }
