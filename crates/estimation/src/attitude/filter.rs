@@ -21,6 +21,8 @@ const SLACK_S: f64 = 1e-4;
 /// Before the first field its direction and strength are unknown: standard deviations, rad and µT.
 const UNKNOWN_HEADING_RAD: f64 = 1.0;
 const UNKNOWN_FIELD_UT: f64 = 30.0;
+/// Share of an interval at rest in what is known of the gyro's noise.
+const SEEN_SHARE: f64 = 0.05;
 /// Rate of turn over a gap in the log, standard deviation, rad/s.
 const GAP_RATE_RAD_S: f64 = 0.5;
 
@@ -39,6 +41,8 @@ pub struct AttitudeFilter {
     last_force_m_s2: Vector3<f64>,
     still_s: f64,
     at_rest: bool,
+    /// Density of the gyro's white noise as seen at rest, rad²/s.
+    seen_density: f64,
     magnetic: bool,
     /// Horizontal and downward strength at the first site, where another has been adopted since.
     home_ut: Option<(f64, f64)>,
@@ -69,6 +73,7 @@ impl AttitudeFilter {
             last_force_m_s2: attitude.inverse() * Vector3::new(0.0, 0.0, params.gravity_m_s2),
             still_s: 0.0,
             at_rest: false,
+            seen_density: 0.0,
             magnetic: false,
             home_ut: None,
             judge: FieldJudge::default(),
@@ -176,12 +181,11 @@ impl AttitudeFilter {
         self.covariance.propagate(&couplings);
         let noise = &self.params.noise;
         let density = |sigma: f64| Matrix3::from_diagonal_element(sigma * sigma * time);
+        let angle_random_walk = noise.angle_random_walk_rad_sqrt_s * noise.angle_random_walk_rad_sqrt_s;
+        let white = angle_random_walk.max(self.seen_density) * time;
         let shaken =
             noise.rate_share * noise.rate_share * noise.rate_share_time_s * interval.rate_squared_rad2_s;
-        self.covariance.inflate(
-            ATTITUDE,
-            &(density(noise.angle_random_walk_rad_sqrt_s) + Matrix3::from_diagonal_element(shaken)),
-        );
+        self.covariance.inflate(ATTITUDE, &Matrix3::from_diagonal_element(white + shaken));
         self.covariance.inflate(GYRO_BIAS, &density(noise.gyro_bias_walk_rad_s_sqrt_s));
         self.covariance.inflate(VELOCITY, &density(noise.velocity_random_walk_m_s_sqrt_s));
         self.covariance.inflate(ACC_BIAS, &density(noise.acc_bias_walk_m_s2_sqrt_s));
@@ -209,10 +213,12 @@ impl AttitudeFilter {
 
     fn update_rest(&mut self, interval: &Interval, recorder: &mut impl Recorder) {
         if self.at_rest {
-            let model = RestRate {
-                rate_rad_s: interval.mean_rate().0,
-                sigma_rad_s: self.params.rest.rate_sigma_rad_s,
-            };
+            let (rate_rad_s, spread) = interval.mean_rate();
+            let samples = f64::from(interval.samples);
+            let seen = spread * spread / 3.0;
+            self.seen_density += (seen * interval.length_s / samples - self.seen_density) * SEEN_SHARE;
+            let sigma = self.params.rest.rate_sigma_rad_s;
+            let model = RestRate { rate_rad_s, variance_rad2_s2: sigma * sigma + seen / samples };
             self.update(&model, |update| recorder.rest(update));
         }
     }

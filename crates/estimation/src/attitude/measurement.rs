@@ -37,8 +37,8 @@ impl MeasurementModel<AttitudeState, 1> for BoundedVelocity {
 pub struct RestRate {
     /// Mean reading, rad/s.
     pub rate_rad_s: Vector3<f64>,
-    /// Standard deviation, rad/s.
-    pub sigma_rad_s: f64,
+    /// Variance of each component, rad²/s².
+    pub variance_rad2_s2: f64,
 }
 
 impl MeasurementModel<AttitudeState, 1> for RestRate {
@@ -46,7 +46,7 @@ impl MeasurementModel<AttitudeState, 1> for RestRate {
         Linearised {
             residual: self.rate_rad_s - state.gyro_bias_rad_s,
             jacobian: [(GYRO_BIAS, Derivative::Identity)],
-            noise: Matrix3::from_diagonal_element(self.sigma_rad_s * self.sigma_rad_s),
+            noise: Matrix3::from_diagonal_element(self.variance_rad2_s2),
         }
     }
 }

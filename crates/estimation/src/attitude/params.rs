@@ -170,7 +170,7 @@ impl Default for AttitudeInitialSigma {
 impl Default for RestParams {
     fn default() -> Self {
         Self {
-            rate_spread_rad_s: 0.02,
+            rate_spread_rad_s: 0.04,
             largest_bias_rad_s: 0.06,
             force_spread_m_s2: 0.3,
             after_s: 0.5,
