@@ -15,6 +15,7 @@ mod blend;
 mod error;
 mod gait;
 mod jet;
+mod motion;
 mod walk_plan;
 
 pub mod foot_motion;
@@ -24,9 +25,10 @@ pub mod imu_presets;
 pub mod scenario;
 
 pub use error::SimulationError;
-pub use foot_motion::{FootState, FootWalk};
+pub use foot_motion::FootWalk;
 pub use gait::{Foot, Gait};
 pub use ideal_imu::{IdealImu, Inertial, STANDARD_GRAVITY_M_S2, Sampling};
 pub use imu_errors::{ImuErrorModel, ImuErrors, TriadErrors};
+pub use motion::{Motion, MotionState};
 pub use scenario::{FootWalkScenario, Generator, TruthState, generate};
 pub use walk_plan::{Footprint, Leg, Stride, WalkPlan};

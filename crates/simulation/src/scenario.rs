@@ -5,10 +5,11 @@
 //! time and vigour of each stride). The same walk can therefore be had with other sensors and the same seed.
 
 use crate::error::SimulationError;
-use crate::foot_motion::{FootState, FootWalk};
+use crate::foot_motion::FootWalk;
 use crate::gait::{Foot, Gait};
 use crate::ideal_imu::IdealImu;
 use crate::imu_errors::{ImuErrorModel, ImuErrors};
+use crate::motion::{Motion, MotionState};
 use crate::walk_plan::{Leg, WalkPlan};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
@@ -171,7 +172,7 @@ impl Generator {
 
     /// Truth at the end of the last interval; before the first sample, at time 0 with the biases as turned on.
     pub fn truth(&self) -> TruthState {
-        let FootState { position_m, velocity_m_s, attitude, stance, .. } =
+        let MotionState { position_m, velocity_m_s, attitude, stance, .. } =
             self.walk.at(self.before.seconds());
         TruthState {
             time: self.before,
