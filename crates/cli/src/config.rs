@@ -6,18 +6,17 @@ use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::Path;
 
-/// Reads and checks a TOML file.
-pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    parse(path, &text(path)?)
-}
-
 /// Checks TOML text; `path` is its name in errors.
 pub fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let at = error.span().map_or(text.len(), |span| span.start);
-        let line = 1 + text.bytes().take(at).filter(|byte| *byte == b'\n').count();
-        anyhow!("{}:{line}: {}", path.display(), error.message())
+        anyhow!("{}:{}: {}", path.display(), line(text, at), error.message())
     })
+}
+
+/// Line of the byte `at` of a text, from 1.
+pub fn line(text: &str, at: usize) -> usize {
+    1 + text.bytes().take(at).filter(|byte| *byte == b'\n').count()
 }
 
 /// `base` with the values that stand in the TOML file in place of its own.
@@ -30,7 +29,8 @@ pub fn overlay<T: Serialize + DeserializeOwned>(base: &T, path: &Path) -> Result
     merged.try_into().map_err(|error| anyhow!("{}: {}", path.display(), error.message()))
 }
 
-fn text(path: &Path) -> Result<String> {
+/// The whole of a text file.
+pub fn text(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("{}: cannot read it", path.display()))
 }
 

@@ -14,3 +14,18 @@ pub enum SimulationError {
         expected: &'static str,
     },
 }
+
+/// `found` lies between `low` and `high`; not a number lies nowhere.
+pub(crate) fn check_within(
+    name: &'static str,
+    found: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), SimulationError> {
+    if (low..=high).contains(&found) {
+        Ok(())
+    } else {
+        Err(SimulationError::Parameter { name, found, expected })
+    }
+}

@@ -27,8 +27,7 @@
 //!
 //! # Frames and units
 //! Navigation ENU (x east, y north, z up), origin at the sensor in the first stance; foot axes x towards the toe, y left,
-//! z up; `θ > 0` is heel up. Body angular rate of the z-y-x angles (Groves 2013, eq. 2.58, in z-up form):
-//! `ω = (φ̇ − ψ̇ sin θ, θ̇ cos φ + ψ̇ sin φ cos θ, −θ̇ sin φ + ψ̇ cos φ cos θ)`. SI units, rad.
+//! z up; `θ > 0` is heel up. SI units, rad.
 //!
 //! # Against recorded feet
 //! Ranges of the medians per trial: walks at 1.05 to 1.34 m/s of foot-vicon (5 trials) and foot-hallway (3, no camera),
@@ -58,6 +57,7 @@ use crate::blend::Window;
 use crate::error::SimulationError;
 use crate::gait::Foot;
 use crate::jet::{Jet, JetVector};
+use crate::motion::{Angles, Motion, MotionState};
 use crate::walk_plan::{Footprint, Footprints, Stride, WalkPlan};
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
@@ -85,23 +85,6 @@ const OUTWARD: Window = Window::new(0.48, 0.97);
 const SHOCK: Window = Window::new(0.86, 0.97);
 const SHOCK_CYCLES: f64 = 3.0;
 
-/// Pose of the sensor and its exact derivatives at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FootState {
-    /// Position, ENU, m.
-    pub position_m: Vector3<f64>,
-    /// Velocity, ENU, m/s.
-    pub velocity_m_s: Vector3<f64>,
-    /// Acceleration, ENU, m/s².
-    pub acceleration_m_s2: Vector3<f64>,
-    /// Sensor to ENU.
-    pub attitude: Attitude,
-    /// Angular rate of the sensor against ENU, sensor axes, rad/s.
-    pub angular_rate_rad_s: Vector3<f64>,
-    /// The foot is flat on the floor (and motionless, unless the gait rocks in stance).
-    pub stance: bool,
-}
-
 /// A walk as a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootWalk {
@@ -117,11 +100,6 @@ impl FootWalk {
         Ok(Self { foot, footprints: plan.footprints(&mut rng)? })
     }
 
-    /// How long the walk lasts, s; before 0 and after it the foot rests.
-    pub fn duration_s(&self) -> f64 {
-        self.footprints.end_s
-    }
-
     /// The strides in order of time.
     pub fn strides(&self) -> &[Stride] {
         &self.footprints.strides
@@ -132,19 +110,8 @@ impl FootWalk {
         self.strides().iter().map(|s| (s.to.position_m - s.from.position_m).norm()).sum()
     }
 
-    /// The state at `time_s` after the start of the walk.
-    pub fn at(&self, time_s: f64) -> FootState {
-        let strides = &self.footprints.strides;
-        let index = strides.partition_point(|stride| stride.start_s <= time_s);
-        match index.checked_sub(1).and_then(|i| strides.get(i)) {
-            Some(stride) if time_s < stride.end_s() => self.in_stride(stride, time_s - stride.start_s),
-            Some(stride) => self.resting(&stride.to),
-            None => self.resting(&self.footprints.first),
-        }
-    }
-
-    fn resting(&self, on: &Footprint) -> FootState {
-        FootState {
+    fn resting(&self, on: &Footprint) -> MotionState {
+        MotionState {
             position_m: on.position_m,
             velocity_m_s: Vector3::zeros(),
             acceleration_m_s2: Vector3::zeros(),
@@ -154,7 +121,7 @@ impl FootWalk {
         }
     }
 
-    fn in_stride(&self, stride: &Stride, since_flat_s: f64) -> FootState {
+    fn in_stride(&self, stride: &Stride, since_flat_s: f64) -> MotionState {
         let moving_s = since_flat_s - stride.still_s;
         if moving_s > 0.0 {
             let phase = Jet::linear(moving_s / stride.moving_s, 1.0 / stride.moving_s);
@@ -168,7 +135,7 @@ impl FootWalk {
     }
 
     /// Stance of a gait in which the foot never quite rests: it rocks about the ball.
-    fn rocking(&self, stride: &Stride, phase: Jet) -> FootState {
+    fn rocking(&self, stride: &Stride, phase: Jet) -> MotionState {
         let rock_rad = stride.gait.stance_rock_rad;
         let angles = Angles {
             yaw: Jet::constant(stride.from.yaw_rad),
@@ -182,7 +149,7 @@ impl FootWalk {
         state
     }
 
-    fn moving(&self, stride: &Stride, phase: Jet) -> FootState {
+    fn moving(&self, stride: &Stride, phase: Jet) -> MotionState {
         let Stride { gait, from, to, .. } = stride;
         let turn = to.yaw_rad - from.yaw_rad;
         let landing = gait.heel_strike_rad;
@@ -224,43 +191,33 @@ impl FootWalk {
     }
 
     /// Sensor at `arm` (foot axes) from a pivot, turned by the angles.
-    fn carried(&self, angles: &Angles, pivot: JetVector, arm: JetVector) -> FootState {
+    fn carried(&self, angles: &Angles, pivot: JetVector, arm: JetVector) -> MotionState {
         let position =
             pivot + arm.turned_about_x(angles.roll).turned_about_y(angles.pitch).turned_about_z(angles.yaw);
-        FootState {
+        MotionState {
             position_m: position.value(),
             velocity_m_s: position.first(),
             acceleration_m_s2: position.second(),
             attitude: angles.attitude() * self.foot.mounting,
-            angular_rate_rad_s: self.foot.mounting.inverse_transform_vector(&angles.foot_rate_rad_s()),
+            angular_rate_rad_s: self.foot.mounting.inverse_transform_vector(&angles.rate_rad_s()),
             stance: false,
         }
     }
 }
 
-/// Attitude of the foot as rotations about z, then y, then x.
-struct Angles {
-    yaw: Jet,
-    pitch: Jet,
-    roll: Jet,
-}
-
-impl Angles {
-    fn attitude(&self) -> Attitude {
-        attitude::exp(&(Vector3::z() * self.yaw.value))
-            * attitude::exp(&(Vector3::y() * self.pitch.value))
-            * attitude::exp(&(Vector3::x() * self.roll.value))
+impl Motion for FootWalk {
+    fn at(&self, time_s: f64) -> MotionState {
+        let strides = &self.footprints.strides;
+        let index = strides.partition_point(|stride| stride.start_s <= time_s);
+        match index.checked_sub(1).and_then(|i| strides.get(i)) {
+            Some(stride) if time_s < stride.end_s() => self.in_stride(stride, time_s - stride.start_s),
+            Some(stride) => self.resting(&stride.to),
+            None => self.resting(&self.footprints.first),
+        }
     }
 
-    fn foot_rate_rad_s(&self) -> Vector3<f64> {
-        let (sin_roll, cos_roll) = libm::sincos(self.roll.value);
-        let (sin_pitch, cos_pitch) = libm::sincos(self.pitch.value);
-        let (yaw, pitch, roll) = (self.yaw.first, self.pitch.first, self.roll.first);
-        Vector3::new(
-            roll - yaw * sin_pitch,
-            pitch * cos_roll + yaw * sin_roll * cos_pitch,
-            yaw * cos_roll * cos_pitch - pitch * sin_roll,
-        )
+    fn duration_s(&self) -> f64 {
+        self.footprints.end_s
     }
 }
 

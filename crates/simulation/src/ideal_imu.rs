@@ -1,4 +1,4 @@
-//! What a faultless IMU on the foot would read.
+//! What a faultless IMU would read.
 //!
 //! `f^b = C_n^b (a + 2 ω_ie × v − g)`, `ω_ib^b = ω_nb^b + C_n^b ω_ie`, with `ω_ie = Ω (0, cos L, sin L)` in ENU
 //! (Groves 2013, eq. 2.123 and 5.53 resolved in a local frame). The navigation frame is taken as flat: the transport
@@ -12,7 +12,7 @@
 //! [`Sampling::Instantaneous`] reads at the end of the interval.
 
 use crate::error::SimulationError;
-use crate::foot_motion::{FootState, FootWalk};
+use crate::motion::{Motion, MotionState};
 use adit_core::geodesy::EARTH_RATE_RAD_S;
 use adit_core::nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -60,6 +60,14 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
+/// Times and weights (sum 1) of the mean of a smooth function from `start_s` to `end_s`: [`GAUSS_LEGENDRE`] on either half.
+pub(crate) fn quadrature(start_s: f64, end_s: f64) -> impl Iterator<Item = (f64, f64)> {
+    [0.0, 0.5].into_iter().flat_map(move |half| {
+        GAUSS_LEGENDRE
+            .map(|(share, weight)| (start_s + (half + 0.5 * share) * (end_s - start_s), 0.5 * weight))
+    })
+}
+
 impl Default for IdealImu {
     /// Standard gravity, averaged samples, at 35.4° N: the Xinglongzhuang mine of spec S2.
     fn default() -> Self {
@@ -96,7 +104,7 @@ impl IdealImu {
     }
 
     /// The reading at one moment.
-    pub fn instant(&self, state: &FootState) -> Inertial {
+    pub fn instant(&self, state: &MotionState) -> Inertial {
         let earth = self.earth_rate_rad_s();
         let reaction = Vector3::z() * self.gravity_m_s2;
         let force = state.acceleration_m_s2 + 2.0 * earth.cross(&state.velocity_m_s) + reaction;
@@ -106,19 +114,17 @@ impl IdealImu {
         }
     }
 
-    /// The sample over the interval from `start_s` to `end_s` of the walk.
-    pub fn sample(&self, walk: &FootWalk, start_s: f64, end_s: f64) -> Inertial {
+    /// The sample over the interval from `start_s` to `end_s` of the motion.
+    pub fn sample(&self, motion: &impl Motion, start_s: f64, end_s: f64) -> Inertial {
         if self.sampling == Sampling::Instantaneous {
-            return self.instant(&walk.at(end_s));
+            return self.instant(&motion.at(end_s));
         }
         let mut mean =
             Inertial { angular_rate_rad_s: Vector3::zeros(), specific_force_m_s2: Vector3::zeros() };
-        for half in [0.0, 0.5] {
-            for (share, weight) in GAUSS_LEGENDRE {
-                let inertial = self.instant(&walk.at(start_s + (half + 0.5 * share) * (end_s - start_s)));
-                mean.angular_rate_rad_s += 0.5 * weight * inertial.angular_rate_rad_s;
-                mean.specific_force_m_s2 += 0.5 * weight * inertial.specific_force_m_s2;
-            }
+        for (time_s, weight) in quadrature(start_s, end_s) {
+            let inertial = self.instant(&motion.at(time_s));
+            mean.angular_rate_rad_s += weight * inertial.angular_rate_rad_s;
+            mean.specific_force_m_s2 += weight * inertial.specific_force_m_s2;
         }
         mean
     }

@@ -36,9 +36,9 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 /// Most that the jitter of a stamp may be, as a share of the interval.
-const JITTER_LIMIT: f64 = 0.4;
+pub(crate) const JITTER_LIMIT: f64 = 0.4;
 
-/// Errors of three like sensors; `U` is rad/s for a gyro, m/s² for an accelerometer.
+/// Errors of three like sensors; `U` is rad/s for a gyro, m/s² for an accelerometer, µT for a magnetometer.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TriadErrors {
@@ -79,7 +79,23 @@ pub struct ImuErrorModel {
 }
 
 impl TriadErrors {
-    fn check(&self) -> Result<(), SimulationError> {
+    /// A faultless triad.
+    pub(crate) const fn none() -> Self {
+        Self {
+            turn_on_bias: 0.0,
+            bias_instability: 0.0,
+            bias_correlation_s: 0.0,
+            bias_random_walk: 0.0,
+            random_walk: 0.0,
+            scale_factor: 0.0,
+            misalignment_rad: 0.0,
+            range: None,
+            quantisation: None,
+            bandwidth_hz: None,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SimulationError> {
         let least_zero = [
             ("turn_on_bias", self.turn_on_bias),
             ("bias_instability", self.bias_instability),
@@ -115,7 +131,7 @@ impl TriadErrors {
     }
 }
 
-fn check_all(
+pub(crate) fn check_all(
     values: &[(&'static str, f64)],
     good: impl Fn(f64) -> bool,
     expected: &'static str,
@@ -213,7 +229,7 @@ fn normals(rng: &mut ChaCha8Rng) -> Vector3<f64> {
 
 /// Three like sensors in one run.
 #[derive(Debug, Clone)]
-struct Triad {
+pub(crate) struct Triad {
     errors: TriadErrors,
     turn_on_bias: Vector3<f64>,
     response: Matrix3<f64>,
@@ -224,7 +240,7 @@ struct Triad {
 }
 
 impl Triad {
-    fn new(errors: TriadErrors, rng: &mut ChaCha8Rng) -> Self {
+    pub fn new(errors: TriadErrors, rng: &mut ChaCha8Rng) -> Self {
         let turn_on_bias = normals(rng) * errors.turn_on_bias;
         let scale = normals(rng) * errors.scale_factor;
         let (m, n) = (normals(rng) * errors.misalignment_rad, normals(rng) * errors.misalignment_rad);
@@ -239,11 +255,17 @@ impl Triad {
         }
     }
 
-    fn bias(&self) -> Vector3<f64> {
+    pub fn bias(&self) -> Vector3<f64> {
         self.turn_on_bias + self.markov_bias + self.walk_bias
     }
 
-    fn apply(
+    /// Scale factors and misalignment, `I + diag(s) + M`.
+    pub fn response(&self) -> Matrix3<f64> {
+        self.response
+    }
+
+    /// The reading in place of the ideal one over `span_s`; `disturbance` is added before bandwidth, range and steps.
+    pub fn apply(
         &mut self,
         ideal: &Vector3<f64>,
         disturbance: &Vector3<f64>,

@@ -4,11 +4,12 @@
 //! [`crate::imu_errors`]), stream 1 for the variation of the walk (length at each inner footprint of a leg, then
 //! time and vigour of each stride). The same walk can therefore be had with other sensors and the same seed.
 
-use crate::error::SimulationError;
-use crate::foot_motion::{FootState, FootWalk};
+use crate::error::{SimulationError, check_within};
+use crate::foot_motion::FootWalk;
 use crate::gait::{Foot, Gait};
 use crate::ideal_imu::IdealImu;
 use crate::imu_errors::{ImuErrorModel, ImuErrors};
+use crate::motion::{Motion, MotionState};
 use crate::walk_plan::{Leg, WalkPlan};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
@@ -137,25 +138,13 @@ pub fn generate(
     errors: &ImuErrorModel,
     seed: u64,
 ) -> Result<Generator, SimulationError> {
-    if !(10.0..=10_000.0).contains(&scenario.rate_hz) {
-        let (found, expected) = (scenario.rate_hz, "10 to 10000 Hz");
-        return Err(SimulationError::Parameter { name: "rate_hz", found, expected });
-    }
-    scenario.imu.check()?;
-    Ok(Generator {
-        walk: scenario.walk(seed)?,
-        imu: scenario.imu,
-        errors: ImuErrors::new(errors, seed)?,
-        rate_hz: scenario.rate_hz,
-        count: 0,
-        before: Time::ZERO,
-    })
+    Generator::new(scenario.walk(seed)?, scenario.imu, scenario.rate_hz, errors, seed)
 }
 
-/// Iterator of [`generate`]; holds the footprints and the state of the errors, nothing that grows.
+/// Iterator of [`generate`], for any motion; holds the motion and the state of the errors, nothing that grows.
 #[derive(Debug, Clone)]
-pub struct Generator {
-    walk: FootWalk,
+pub struct Generator<M = FootWalk> {
+    motion: M,
     imu: IdealImu,
     errors: ImuErrors,
     rate_hz: f64,
@@ -163,16 +152,30 @@ pub struct Generator {
     before: Time,
 }
 
-impl Generator {
-    /// The walk under way.
-    pub fn walk(&self) -> &FootWalk {
-        &self.walk
+impl<M: Motion> Generator<M> {
+    /// An IMU on a motion, read `rate_hz` times a second; `seed` fixes its errors.
+    pub fn new(
+        motion: M,
+        imu: IdealImu,
+        rate_hz: f64,
+        errors: &ImuErrorModel,
+        seed: u64,
+    ) -> Result<Self, SimulationError> {
+        check_within("rate_hz", rate_hz, 10.0, 10_000.0, "10 to 10000 Hz")?;
+        imu.check()?;
+        let errors = ImuErrors::new(errors, seed)?;
+        Ok(Self { motion, imu, errors, rate_hz, count: 0, before: Time::ZERO })
+    }
+
+    /// The motion under way.
+    pub fn motion(&self) -> &M {
+        &self.motion
     }
 
     /// Truth at the end of the last interval; before the first sample, at time 0 with the biases as turned on.
     pub fn truth(&self) -> TruthState {
-        let FootState { position_m, velocity_m_s, attitude, stance, .. } =
-            self.walk.at(self.before.seconds());
+        let MotionState { position_m, velocity_m_s, attitude, stance, .. } =
+            self.motion.at(self.before.seconds());
         TruthState {
             time: self.before,
             position_m,
@@ -185,15 +188,22 @@ impl Generator {
     }
 }
 
-impl Iterator for Generator {
+impl Generator {
+    /// The walk under way.
+    pub fn walk(&self) -> &FootWalk {
+        &self.motion
+    }
+}
+
+impl<M: Motion> Iterator for Generator<M> {
     type Item = (ImuSample, TruthState);
 
     fn next(&mut self) -> Option<Self::Item> {
         let time = Time::from_seconds((self.count + 1) as f64 / self.rate_hz)?;
-        if time.seconds() > self.walk.duration_s() {
+        if time.seconds() > self.motion.duration_s() {
             return None;
         }
-        let ideal = self.imu.sample(&self.walk, self.before.seconds(), time.seconds());
+        let ideal = self.imu.sample(&self.motion, self.before.seconds(), time.seconds());
         let sample = self.errors.apply(&ideal, time, time - self.before);
         self.count += 1;
         self.before = time;

@@ -7,7 +7,7 @@
 //!
 //! Frame: ENU with its origin at the sensor in the first stance; headings clockwise from north, rad.
 
-use crate::error::SimulationError;
+use crate::error::{SimulationError, check_within};
 use crate::gait::Gait;
 use adit_core::nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -63,6 +63,33 @@ pub enum Leg {
         /// Depth of a tread, m.
         tread_m: f64,
     },
+}
+
+impl Leg {
+    /// The numbers are those of a walk.
+    pub fn check(&self) -> Result<(), SimulationError> {
+        match *self {
+            Self::Gait(gait) => gait.check(),
+            Self::Stand { seconds } => check_within("seconds", seconds, 0.0, 1e6, "0 to 1e6 s"),
+            Self::Straight { length_m } => {
+                check_within("length_m", length_m, 0.0, LONGEST_LEG_M, "0 to 100 km")
+            }
+            Self::Arc { radius_m, turn_rad } => {
+                check_within("radius_m", radius_m, 0.2, 1e4, "0.2 m to 10 km")?;
+                check_within("turn_rad", turn_rad, -100.0, 100.0, "-100 to 100 rad")
+            }
+            Self::Turn { turn_rad } => check_within("turn_rad", turn_rad, -100.0, 100.0, "-100 to 100 rad"),
+            Self::Ramp { length_m, slope_rad } => {
+                check_within("length_m", length_m, 0.0, LONGEST_LEG_M, "0 to 100 km")?;
+                check_within("slope_rad", slope_rad, -0.6, 0.6, "-0.6 to 0.6 rad")
+            }
+            Self::Stairs { risers, rise_m, tread_m } => {
+                check_within("rise_m", rise_m, -0.4, 0.4, "-0.4 to 0.4 m")?;
+                check_within("tread_m", tread_m, 0.1, 1.0, "0.1 to 1 m")?;
+                check_within("risers", f64::from(risers), 0.0, 1e5, "0 to 100000")
+            }
+        }
+    }
 }
 
 /// A walk: gait, first heading, legs.
@@ -124,7 +151,7 @@ impl WalkPlan {
     /// Checks the legs and lays the footprints; three draws of `rng` per stride (length, time, angles and shock).
     pub(crate) fn footprints(&self, rng: &mut ChaCha8Rng) -> Result<Footprints, SimulationError> {
         self.gait.check()?;
-        check("heading_rad", self.heading_rad, -100.0, 100.0, "a finite angle")?;
+        check_within("heading_rad", self.heading_rad, -100.0, 100.0, "a finite angle")?;
         let first = Footprint {
             position_m: Vector3::zeros(),
             yaw_rad: core::f64::consts::FRAC_PI_2 - self.heading_rad,
@@ -140,20 +167,6 @@ impl WalkPlan {
     }
 }
 
-fn check(
-    name: &'static str,
-    found: f64,
-    low: f64,
-    high: f64,
-    expected: &'static str,
-) -> Result<(), SimulationError> {
-    if (low..=high).contains(&found) {
-        Ok(())
-    } else {
-        Err(SimulationError::Parameter { name, found, expected })
-    }
-}
-
 /// The pen that walks along the plan.
 struct Layer<'a> {
     rng: &'a mut ChaCha8Rng,
@@ -166,40 +179,22 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     fn lay(&mut self, leg: &Leg) -> Result<(), SimulationError> {
+        leg.check()?;
         match *leg {
-            Leg::Gait(gait) => {
-                gait.check()?;
-                self.gait = gait;
-            }
-            Leg::Stand { seconds } => {
-                check("seconds", seconds, 0.0, 1e6, "0 to 1e6 s")?;
-                self.rest_s += seconds;
-            }
-            Leg::Straight { length_m } => {
-                check("length_m", length_m, 0.0, LONGEST_LEG_M, "0 to 100 km")?;
-                self.walk(length_m, 0.0, 0.0, 0.0);
-            }
-            Leg::Arc { radius_m, turn_rad } => {
-                check("radius_m", radius_m, 0.2, 1e4, "0.2 m to 10 km")?;
-                check("turn_rad", turn_rad, -100.0, 100.0, "-100 to 100 rad")?;
-                self.walk(radius_m * turn_rad.abs(), turn_rad, 0.0, 0.0);
-            }
+            Leg::Gait(gait) => self.gait = gait,
+            Leg::Stand { seconds } => self.rest_s += seconds,
+            Leg::Straight { length_m } => self.walk(length_m, 0.0, 0.0, 0.0),
+            Leg::Arc { radius_m, turn_rad } => self.walk(radius_m * turn_rad.abs(), turn_rad, 0.0, 0.0),
             Leg::Turn { turn_rad } => {
-                check("turn_rad", turn_rad, -100.0, 100.0, "-100 to 100 rad")?;
                 let strides = whole(turn_rad.abs() / TURN_PER_STRIDE_RAD);
                 for _ in 0..strides {
                     self.stride(ahead(&self.here, 0.0, -turn_rad / f64::from(strides), 0.0));
                 }
             }
             Leg::Ramp { length_m, slope_rad } => {
-                check("length_m", length_m, 0.0, LONGEST_LEG_M, "0 to 100 km")?;
-                check("slope_rad", slope_rad, -0.6, 0.6, "-0.6 to 0.6 rad")?;
                 self.walk(length_m, 0.0, length_m * libm::tan(slope_rad), -slope_rad);
             }
             Leg::Stairs { risers, rise_m, tread_m } => {
-                check("rise_m", rise_m, -0.4, 0.4, "-0.4 to 0.4 m")?;
-                check("tread_m", tread_m, 0.1, 1.0, "0.1 to 1 m")?;
-                check("risers", f64::from(risers), 0.0, 1e5, "0 to 100000")?;
                 let mut left = risers;
                 while left > 0 {
                     let taken = f64::from(left.min(2));

@@ -3,7 +3,7 @@
 
 use adit_core::attitude;
 use adit_core::nalgebra::Vector3;
-use adit_simulation::{Foot, FootWalk, FootWalkScenario, Gait, Leg, WalkPlan};
+use adit_simulation::{Foot, FootWalk, FootWalkScenario, Gait, Leg, Motion, WalkPlan};
 use core::f64::consts::FRAC_PI_2;
 
 /// A bit of everything.
@@ -171,7 +171,7 @@ fn figures(gait: Gait, still_below_rad_s: f64) -> Figures {
     let states: Vec<_> = (0..2000)
         .map(|i| walk.at(stride.start_s + f64::from(i) / 2000.0 * (stride.end_s() - stride.start_s)))
         .collect();
-    let peak = |f: &dyn Fn(&adit_simulation::FootState) -> f64| states.iter().map(f).fold(0.0, f64::max);
+    let peak = |f: &dyn Fn(&adit_simulation::MotionState) -> f64| states.iter().map(f).fold(0.0, f64::max);
     let quiet = states.iter().filter(|s| s.angular_rate_rad_s.norm() < still_below_rad_s).count();
     Figures {
         stance_share: f64::from(u32::try_from(quiet).unwrap()) / 2000.0,

@@ -5,7 +5,8 @@ use adit_core::attitude;
 use adit_core::geodesy::EARTH_RATE_RAD_S;
 use adit_core::nalgebra::Vector3;
 use adit_simulation::{
-    FootState, FootWalk, FootWalkScenario, Gait, IdealImu, Inertial, Leg, STANDARD_GRAVITY_M_S2, Sampling,
+    FootWalk, FootWalkScenario, Gait, IdealImu, Inertial, Leg, Motion, MotionState, STANDARD_GRAVITY_M_S2,
+    Sampling,
 };
 
 #[test]
@@ -64,13 +65,13 @@ fn a_mean_over_an_interval_is_the_mean_of_the_means_of_its_halves() {
 
 /// Strapdown in increments with the two-sample coning and sculling terms of Savage (1998), in ENU on a turning Earth.
 struct Strapdown {
-    state: FootState,
+    state: MotionState,
     turn_before: Vector3<f64>,
     push_before: Vector3<f64>,
 }
 
 impl Strapdown {
-    fn from(state: FootState) -> Self {
+    fn from(state: MotionState) -> Self {
         Self { state, turn_before: Vector3::zeros(), push_before: Vector3::zeros() }
     }
 

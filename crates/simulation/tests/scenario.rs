@@ -3,7 +3,7 @@
 
 use adit_core::nalgebra::Vector3;
 use adit_observation::ImuSample;
-use adit_simulation::{FootWalkScenario, ImuErrorModel, Leg, SimulationError, TruthState, generate};
+use adit_simulation::{FootWalkScenario, ImuErrorModel, Leg, Motion, SimulationError, TruthState, generate};
 
 fn run(scenario: &FootWalkScenario, model: &ImuErrorModel, seed: u64) -> Vec<(ImuSample, TruthState)> {
     generate(scenario, model, seed).unwrap().collect()
@@ -33,6 +33,20 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
     let first = bytes(&run(&scenario, &model, 1));
     assert_eq!(first, bytes(&run(&scenario, &model, 1)));
     assert_ne!(first, bytes(&run(&scenario, &model, 2)));
+}
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo).
+fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[test]
+fn the_walk_of_s2_is_bit_for_bit_the_one_the_published_figures_were_measured_on() {
+    let samples = run(&FootWalkScenario::demo_walk(), &ImuErrorModel::adis16448_calibrated(), 1);
+    // Taken from the first version of the generator, before it knew any magnetometer (commit e45798d).
+    assert_eq!((samples.len(), fingerprint(&bytes(&samples))), (30_004, 11_247_757_028_587_376_396));
 }
 
 #[test]

@@ -1,0 +1,83 @@
+//! The magnetic field where the sensor is: the Earth's, and what steel and currents add to it.
+//!
+//! `B(p, t) = B_earth + Σ B_steel(p, t) + Σ B_cable(p, t)`
+//!
+//! Every term is closed-form, curl-free and divergence-free outside its source, and finite everywhere:
+//!
+//! | source | outside | inside |
+//! |---|---|---|
+//! | [`EarthField`] | the same everywhere | – |
+//! | [`SteelBody`], a uniformly magnetised sphere | `μ₀/4π (3 (m·r̂) r̂ − m)/r³` | `μ₀/4π 2 m/a³` (Jackson 1999, §5.10) |
+//! | [`Cable`], an infinite straight conductor | `μ₀ I/2πr`, around it | grows evenly with `r` (Jackson 1999, §5.3) |
+//!
+//! Bodies stand still or move along a [`Course`]; steel is there from the first sample to the last, wherever its course
+//! has brought it.
+//!
+//! # Frames and units
+//! ENU, the frame of the motion: origin at the sensor's first place, y to **true** north, m, s. Field in µT of magnetic
+//! flux density, moments in A·m². `μ₀/4π` is 1e-7 T·m/A within 1e-9 (CODATA 2018).
+//!
+//! # Limits
+//! A real car is no dipole at its own length: closer than that its field is patchier than here. Steel does not shield or
+//! bend the field of other steel; eddy currents in moving steel are left out.
+
+mod course;
+mod earth;
+mod sources;
+
+pub use course::{Course, Move};
+pub use earth::EarthField;
+pub use sources::{Cable, SteelBody};
+
+use crate::error::SimulationError;
+use crate::motion::Motion;
+use adit_core::nalgebra::Vector3;
+
+/// Step at which the largest disturbance along a motion is looked for, s: a swinging foot moves 2 cm in it.
+const PEAK_STEP_S: f64 = 0.005;
+
+/// The Earth's field and everything that disturbs it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MagneticWorld {
+    /// The undisturbed field.
+    pub earth: EarthField,
+    /// Bodies of steel.
+    pub steel: Vec<SteelBody>,
+    /// Conductors.
+    pub cables: Vec<Cable>,
+}
+
+impl MagneticWorld {
+    /// A world without steel and currents.
+    pub fn undisturbed(earth: EarthField) -> Self {
+        Self { earth, steel: Vec::new(), cables: Vec::new() }
+    }
+
+    /// The whole field at a place and time, ENU, µT.
+    pub fn field_ut(&self, position_m: &Vector3<f64>, time_s: f64) -> Vector3<f64> {
+        self.earth.enu_ut() + self.disturbance_ut(position_m, time_s)
+    }
+
+    /// What steel and currents add there, ENU, µT.
+    pub fn disturbance_ut(&self, position_m: &Vector3<f64>, time_s: f64) -> Vector3<f64> {
+        let steel = self.steel.iter().map(|body| body.field_ut(&self.earth, position_m, time_s));
+        let cables = self.cables.iter().map(|cable| cable.field_ut(position_m, time_s));
+        steel.chain(cables).sum()
+    }
+
+    /// All parameters make sense.
+    pub fn check(&self) -> Result<(), SimulationError> {
+        self.earth.check()?;
+        self.steel.iter().try_for_each(SteelBody::check)?;
+        self.cables.iter().try_for_each(Cable::check)
+    }
+}
+
+/// The largest field of one body along a motion, µT, looked for every 5 ms from its start to its end.
+fn largest_along(body: &SteelBody, earth: &EarthField, motion: &impl Motion) -> f64 {
+    (0_u64..)
+        .map(|i| i as f64 * PEAK_STEP_S)
+        .take_while(|time_s| *time_s <= motion.duration_s())
+        .map(|time_s| body.field_ut(earth, &motion.at(time_s).position_m, time_s).norm())
+        .fold(0.0, f64::max)
+}
