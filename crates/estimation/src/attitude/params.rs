@@ -185,8 +185,8 @@ impl Default for DisturbanceParams {
         Self {
             norm_share: 0.1,
             dip_rad: 0.17,
-            memory_s: 2.0,
-            doubt: 5.0,
+            memory_s: 3.0,
+            doubt: 16.0,
             adopt_after_s: 10.0,
             adopt_spread_ut: 6.0,
             turning_rad_s: 0.35,
