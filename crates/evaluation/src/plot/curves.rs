@@ -11,8 +11,6 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 /// Room above the highest value, as a share.
 const HEADROOM: f64 = 1.06;
-/// Height of the shade in the legend, px.
-const SHADE_SWATCH_PX: f64 = 12.0;
 /// A distribution is cut where its 99th percentile, times this, leaves the largest error far outside.
 const OUTLIER_RATIO: f64 = 2.5;
 
@@ -40,7 +38,7 @@ pub fn over_time(
     let mut entries = legend(series.iter().map(|curve| curve.label.as_str()));
     if !unscored.is_empty() {
         let label = if cut { "not scored, cut off where far out" } else { "not scored" };
-        entries.push(Entry { label: label.to_owned(), color: SHADE, swatch: Swatch::Line(SHADE_SWATCH_PX) });
+        entries.push(Entry { label: label.to_owned(), color: SHADE, swatch: Swatch::Square });
     }
     let frame = Frame::new(area, heading, &entries)?;
     let x = Axis { label: "time (s)".to_owned(), range: start..end.max(start + 1e-3) };
