@@ -2,18 +2,20 @@
 # Regenerates every figure of the docs:
 #   the block from `<!-- results:begin -->` to `<!-- results:end -->` of a page: the recorded sets with truth;
 #   the block from `<!-- loops:begin -->` to `<!-- loops:end -->`: the walks without;
+#   the block from `<!-- attitude:begin -->` to `<!-- attitude:end -->`: the recorded attitude trials, next to VQF;
 #   the block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   the block from `<!-- walks:begin -->` to `<!-- walks:end -->`: the simulated walk of system S2 over many seeds;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
+. ci/rival/venv.sh
 
 [ -d "$ADIT_DATA" ] || { echo "results: no recorded sets at $ADIT_DATA (set ADIT_DATA)" >&2; exit 1; }
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example simulated_walks --example stance_figure
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -21,6 +23,12 @@ complete=0
 "$bin/examples/recorded_results" "$bin/adit" "$ADIT_DATA" "$fresh" || complete=$?
 [ -f "$fresh/trials.md" ] || exit 1
 cp "$fresh/trials.md" docs/results/trials.md
+
+if [ -n "$rival_python" ]; then
+    "$bin/examples/attitude_results" "$bin/adit" "$ADIT_DATA" "$rival_python" "$fresh/attitude.md" || complete=$?
+fi
+# A table without the rival would say less than the one that stands there.
+[ -f "$fresh/attitude.md" ] || echo "results: the attitude table is left as it is" >&2
 
 "$bin/examples/simulated_walks" >"$fresh/walks.md"
 "$bin/examples/stance_figure" docs/results/stance.svg
@@ -42,7 +50,7 @@ renew() {
     local line inside=
     while IFS= read -r line; do
         case $line in
-        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- walks:end -->' | '<!-- run:end -->') inside= ;;
+        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- walks:end -->' | '<!-- attitude:end -->' | '<!-- run:end -->') inside= ;;
         esac
         if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
         case $line in
@@ -58,6 +66,12 @@ renew() {
             inside=yes
             printf '\n%s\n\n' "$(cat "$fresh/walks.md")"
             ;;
+        '<!-- attitude:begin -->')
+            if [ -f "$fresh/attitude.md" ]; then
+                inside=yes
+                printf '\n%s\n\n' "$(cat "$fresh/attitude.md")"
+            fi
+            ;;
         '<!-- run:begin adit '*' -->')
             inside=yes
             line=${line#<!-- run:begin } line=${line% -->}
@@ -67,7 +81,7 @@ renew() {
     done <"$1"
 }
 
-for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|run):begin' README.md docs); do
+for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|attitude|run):begin' README.md docs); do
     renew "$page" >"$fresh/page"
     cp "$fresh/page" "$page"
     echo "results: wrote $page"

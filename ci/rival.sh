@@ -1,19 +1,29 @@
 #!/usr/bin/env bash
-# adit's streaming method against the same filter on filterpy, on the same walk, one after the other on this machine.
-# Needs python3 with venv; installs numpy and filterpy below the target folder.
+# adit against its rivals on the same simulated logs, one after the other on this machine:
+#   foot-ins, streaming, and the same filter on filterpy;
+#   ahrs, streaming, nine axes, the VQF of the Rust crate uf-ahrs, and the VQF of its authors (Python package, C++ core).
+# Needs python3 with venv; installs the Python rivals below the target folder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 target=${CARGO_TARGET_DIR:-target}
-venv=$target/rival
-command -v python3 >/dev/null || { echo "rival: no python3, comparison left out" >&2; exit 0; }
-[ -x "$venv/bin/python" ] || python3 -m venv "$venv"
-"$venv/bin/python" -c 'import filterpy, numpy' 2>/dev/null || "$venv/bin/pip" -q install 'numpy==2.*' 'filterpy==1.4.5'
+. ci/rival/venv.sh
 
-cargo build --locked --release -p adit-estimation --example throughput
-walk=$(mktemp)
-trap 'rm -f "$walk"' EXIT
-ours=$("$target/release/examples/throughput" "$walk")
-theirs=$(OPENBLAS_NUM_THREADS=1 "$venv/bin/python" ci/rival/filterpy_zupt.py "$walk" 12000)
-echo "adit foot-ins, streaming:   $ours samples/s"
-echo "filterpy, 15 states:        $theirs samples/s"
-echo "ratio:                      $((ours / theirs))"
+cargo build --locked --release -p adit-estimation --example throughput --example attitude_throughput
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.1f", a / b }'; }
+line() { printf '%-40s %9s samples/s   adit is %s times as fast\n' "$1" "$2" "$(ratio "$ours" "$2")"; }
+
+ours=$("$target/release/examples/throughput" "$scratch/walk.csv")
+printf '%-40s %9s samples/s\n' 'adit foot-ins, streaming' "$ours"
+if [ -n "$rival_python" ]; then
+    line 'filterpy, 15 states' "$(OPENBLAS_NUM_THREADS=1 "$rival_python" ci/rival/filterpy_zupt.py "$scratch/walk.csv" 12000)"
+fi
+
+read -r ours theirs < <("$target/release/examples/attitude_throughput" "$scratch/tag.csv")
+printf '%-40s %9s samples/s\n' 'adit ahrs, streaming, nine axes' "$ours"
+line 'uf-ahrs VQF (Rust), nine axes' "$theirs"
+if [ -n "$rival_python" ]; then
+    line 'vqf (Python, C++ core), nine axes' "$("$rival_python" ci/rival/vqf_attitude.py "$scratch/tag.csv")"
+fi

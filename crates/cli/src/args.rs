@@ -49,10 +49,15 @@ The estimate is interpolated at the times of the truth, of which it must cover 9
 mean, median, 90 and 95 %, largest), attitude error where the truth has attitudes, relative error over 1 m and 10 m, error
 at the end, distance travelled. Exit code 1 when the estimate cannot be scored.
 
+Attitude alone is judged where the truth has no positions, or where all positions of the estimate are zero (ahrs). Nothing
+is forgiven then unless --align says so: start = heading of the first 2 s, se2 = heading over the run, se3 = all three angles.
+A truth with a column `moving` is scored where it is 1; the other rows are left out as if they were not there.
+
 Examples:
   adit eval walk.tum --truth walk_truth.csv
   adit eval walk.tum --truth truth.tum --align start --start-distance 2 --json
-  adit eval walk.tum --truth truth.tum --covariance walk.csv --plot walk.svg";
+  adit eval walk.tum --truth truth.tum --covariance walk.csv --plot walk.svg
+  adit eval hand.tum --truth hand_truth.csv --align se2                attitude from a log without magnetometer";
 
 /// Where is everybody underground: turns the logs of people's tags into their paths, and judges them against truth
 #[derive(Debug, Parser)]
@@ -178,14 +183,18 @@ pub struct EvalArgs {
     #[arg(value_name = "EST.tum", value_hint = ValueHint::FilePath)]
     pub estimate: PathBuf,
 
-    /// True trajectory: TUM text, or CSV with `time_s,x_m,y_m,z_m[,qw,qx,qy,qz]`
+    /// True trajectory: TUM text, or CSV with `time_s[,x_m,y_m[,z_m]][,qw,qx,qy,qz][,moving]`
     #[arg(long, value_name = "TRUTH", value_hint = ValueHint::FilePath)]
     pub truth: PathBuf,
 
     /// What to forgive before errors are taken: none; start = position and heading at the start; se2 = position and heading
-    /// over the run; se3 = position and all three angles
-    #[arg(long, value_name = "none|start|se2|se3", default_value_t = Alignment::Se2)]
-    pub align: Alignment,
+    /// over the run; se3 = position and all three angles [default: se2; none for attitude alone]
+    #[arg(long, value_name = "none|start|se2|se3")]
+    pub align: Option<Alignment>,
+
+    /// Score every row of the truth, not only those that its column `moving` marks
+    #[arg(long)]
+    pub all_rows: bool,
 
     /// For --align start: the heading is that of the first true pose this far away, metres
     #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = not_negative, allow_negative_numbers = true)]
@@ -195,7 +204,7 @@ pub struct EvalArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// Figure to write, SVG: path over truth, errors over time and their distribution on one page
+    /// Figure to write, SVG: path over truth (not for attitude alone), errors over time and their distribution on one page
     #[arg(long, value_name = "OUT.svg", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
 

@@ -142,7 +142,7 @@ fn what_cannot_be_scored_is_told_with_exit_code_1() {
         (&["bad.tum", "--truth", "truth.tum"], "bad.tum:2: z: found \"zero\", expected a finite number"),
         (&["none.tum", "--truth", "truth.tum"], "none.tum: cannot open it"),
         (&["est.tum", "--truth", "none.csv"], "none.csv: cannot open it"),
-        (&["est.tum", "--truth", "turn_truth.csv"], "the truth has no positions"),
+        (&["est.tum", "--truth", "turn_truth.csv", "--covariance", "half.csv"], "half.csv: cannot open it"),
         (&["line.tum", "--truth", "line.tum", "--covariance", "est.csv"], "found 600 solutions, expected 20"),
         (&["est.csv", "--truth", "truth.tum"], "est.csv:1: found"),
     ];

@@ -6,6 +6,9 @@
 //! leave out trials whose true path is 2 m or less.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+#[path = "common/recorded.rs"]
+mod recorded;
+
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
@@ -16,7 +19,8 @@ use adit_evaluation::travel::chord_length_m;
 use adit_evaluation::{Evaluation, EvaluationOptions, evaluate};
 use adit_observation::{Observation, open, truth};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use recorded::{folder, trials, truth_file};
+use std::path::Path;
 
 /// What a set must not exceed; shares are of the true path.
 struct Limits {
@@ -86,30 +90,6 @@ impl Spread {
     }
 }
 
-/// The folder of a set; `None`, after saying so, where the recordings are not at hand.
-fn folder(set: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("ADIT_DATA").map_or_else(beside, PathBuf::from).join(set);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("SKIPPED (no test data): {set}");
-    None
-}
-
-/// Every `NAME_imu.csv` or `NAME_imu.csv.gz` with its `NAME`, in order of name.
-fn trials(folder: &Path) -> Vec<(String, PathBuf)> {
-    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let named = |path: PathBuf| {
-        let file = path.file_name()?.to_str()?;
-        let name = file.strip_suffix(".gz").unwrap_or(file).strip_suffix("_imu.csv")?.to_owned();
-        Some((name, path))
-    };
-    let mut trials: Vec<_> = paths.filter_map(named).collect();
-    trials.sort();
-    trials
-}
-
 fn track(log: &Path, mode: Mode) -> Trajectory {
     let observations: Vec<Observation> = open(log).unwrap().collect::<Result<_, _>>().unwrap();
     let samples = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
@@ -135,8 +115,7 @@ fn against_truth(set: &str, start_distance_m: f64, limits: &Limits, mode: Mode) 
     let judged: Vec<(Evaluation, Evaluation)> = trials(&folder)
         .par_iter()
         .map(|(name, log)| {
-            let file = [".csv", ".csv.gz"].map(|end| folder.join(format!("{name}_truth{end}")));
-            let truth = truth::read(file.iter().find(|f| f.exists()).unwrap()).unwrap().trajectory;
+            let truth = truth::read(truth_file(&folder, name)).unwrap().trajectory;
             let estimate = track(log, mode);
             let judge = |alignment| {
                 let options = EvaluationOptions {

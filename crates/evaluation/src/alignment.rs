@@ -19,8 +19,13 @@
 //! `start` translates by the mean error of the first 2 s and turns so that the horizontal direction to the first pose
 //! of the truth at least a given distance away agrees (the last pose when none is that far).
 //! Attitudes turn with positions.
+//!
+//! **Attitude alone** ([`align_attitudes`]): the same names forgive the same angles, found from the attitudes: `start` the
+//! heading of the first 2 s, `se2` the heading over the run, `se3` all three angles. The turn is the average of
+//! `q_truth ∘ q_estimate⁻¹` (Markley et al. 2007, eq. 12), for `start` and `se2` among the turns about the vertical.
 
 use crate::EvaluationError;
+use crate::ape::{attitude_errors, heading_bias_rad};
 use crate::association::PosePairs;
 use adit_core::attitude::Attitude;
 use adit_core::time::Interval;
@@ -133,6 +138,36 @@ pub fn align(
     }
 }
 
+/// The turn of the estimate that `alignment` asks for where attitude alone is judged.
+pub fn align_attitudes(pairs: &PosePairs, alignment: Alignment) -> Result<Attitude, EvaluationError> {
+    let errors = || attitude_errors(pairs);
+    match alignment {
+        Alignment::None => Ok(Attitude::identity()),
+        Alignment::Start => Ok(about_vertical(heading_bias_rad(&errors()[..start_poses(pairs.truth())]))),
+        Alignment::Se2 => Ok(about_vertical(heading_bias_rad(&errors()))),
+        Alignment::Se3 => mean_turn(pairs),
+    }
+}
+
+/// Dominant eigenvector of `Σ e eᵀ` of the errors `e` as quaternions, which does not ask for their sign.
+fn mean_turn(pairs: &PosePairs) -> Result<Attitude, EvaluationError> {
+    let mut moments = Matrix4::zeros();
+    for (estimate, truth) in pairs.iter() {
+        let e = (truth.attitude * estimate.attitude.inverse()).coords;
+        moments += e * e.transpose();
+    }
+    let undetermined = || EvaluationError::Degenerate { found: f64::NAN, expected: SMALLEST_SPREAD };
+    let eigen = SymmetricEigen::try_new(moments, f64::EPSILON, 1000).ok_or_else(undetermined)?;
+    let q = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+    Ok(UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2])))
+}
+
+/// Number of poses that make the start, one at least.
+fn start_poses(truth: &[Pose]) -> usize {
+    let until = truth[0].time + START_SPAN;
+    truth.iter().take_while(|pose| pose.time <= until).count()
+}
+
 fn start(pairs: &PosePairs, distance_m: f64) -> Result<RigidMotion, EvaluationError> {
     if !(distance_m.is_finite() && distance_m >= 0.0) {
         return Err(EvaluationError::OutOfRange {
@@ -142,8 +177,7 @@ fn start(pairs: &PosePairs, distance_m: f64) -> Result<RigidMotion, EvaluationEr
         });
     }
     let (estimate, truth) = (pairs.estimate(), pairs.truth());
-    let until = truth[0].time + START_SPAN;
-    let first = truth.iter().take_while(|pose| pose.time <= until).count();
+    let first = start_poses(truth);
     let (from_m, to_m) = (mean(&estimate[..first]), mean(&truth[..first]));
     let away = |pose: &Pose| (pose.position_m - to_m).xy().norm() >= distance_m;
     let far = truth.iter().position(away).unwrap_or(truth.len() - 1);

@@ -6,6 +6,7 @@
 //! **Attitude**: `q_e = q_truth ∘ q_estimate⁻¹ = (w, x, y, z)`, an error in the navigation frame, split as Laidig & Seel
 //! 2023 (VQF, §4.1) do: total `2 atan2(|(x, y, z)|, |w|)` (evo's APE rotation angle), heading `2 atan(|z| / |w|)`,
 //! inclination `2 atan2(|(x, y)|, |(w, z)|)`. The arc tangents keep small angles exact where arc cosines lose them.
+//! The heading error with its sign is `2 atan(z / w)`, compass heading of the estimate minus that of the truth.
 //!
 //! **Circular error probable**: radius about the truth that holds a share of the horizontal errors; empirical, so it is
 //! the percentile of the horizontal error.
@@ -83,6 +84,8 @@ pub struct AttitudeError {
     pub heading_rad: f64,
     /// Part about a horizontal axis, 0 to π.
     pub inclination_rad: f64,
+    /// The heading part with its sign, −π to π: above zero where the estimate points too far clockwise, seen from above.
+    pub signed_heading_rad: f64,
 }
 
 /// Error of one attitude; both turn body into the same navigation frame.
@@ -92,6 +95,8 @@ pub fn attitude_error(estimate: &Attitude, truth: &Attitude) -> AttitudeError {
         total_rad: 2.0 * q.imag().norm().atan2(q.w.abs()),
         heading_rad: 2.0 * q.k.abs().atan2(q.w.abs()),
         inclination_rad: 2.0 * q.i.hypot(q.j).atan2(q.w.hypot(q.k)),
+        // q and −q are one rotation; its shorter angle is meant.
+        signed_heading_rad: 2.0 * (q.k * q.w.signum()).atan2(q.w.abs()),
     }
 }
 
@@ -109,12 +114,32 @@ pub fn attitude_summary(errors: &[AttitudeError]) -> Option<AttitudeStatistics> 
         total_deg: degrees(|e| e.total_rad)?,
         heading_deg: degrees(|e| e.heading_rad)?,
         inclination_deg: degrees(|e| e.inclination_rad)?,
+        heading_bias_deg: heading_bias_rad(errors).to_degrees(),
     })
+}
+
+/// The turn about the vertical by which a run is off as a whole, rad, −π to π: above zero where clockwise.
+///
+/// It is the mean of the headings on the circle, each with the weight that its inclination leaves it: the average of
+/// Markley et al. 2007 (eq. 12) among the turns about the vertical, `atan2(Σ c² sin h, Σ c² cos h)`, `c = cos(i/2)`.
+pub fn heading_bias_rad(errors: &[AttitudeError]) -> f64 {
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for error in errors {
+        let weight = (0.5 * error.inclination_rad).cos().powi(2);
+        sine += weight * error.signed_heading_rad.sin();
+        cosine += weight * error.signed_heading_rad.cos();
+    }
+    sine.atan2(cosine)
 }
 
 /// True when a trajectory turns at all: files of positions alone carry one attitude throughout.
 pub fn carries_attitude(trajectory: &Trajectory) -> bool {
     trajectory.poses().windows(2).any(|two| two[0].attitude != two[1].attitude)
+}
+
+/// True when any position is not zero: estimates of attitude alone, and truths of attitude alone, carry none.
+pub fn carries_position(trajectory: &Trajectory) -> bool {
+    trajectory.poses().iter().any(|pose| pose.position_m != Vector3::zeros())
 }
 
 /// Summary of position errors.
@@ -133,13 +158,16 @@ pub struct PositionStatistics {
 impl Serialize for PositionStatistics {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let parts = [("2d", self.horizontal_m), ("3d", self.spatial_m), ("vertical", self.vertical_m)];
-        serialize_flat(&parts, "m", serializer)
+        let mut map = serializer.serialize_map(None)?;
+        flat_entries(&mut map, &parts, "m")?;
+        map.end()
     }
 }
 
 /// Summary of attitude errors.
 ///
-/// In JSON a flat object: `rmse_attitude_deg`, …, `sse_attitude_deg2`, the same with `heading` and `inclination`.
+/// In JSON a flat object: `rmse_attitude_deg`, …, `sse_attitude_deg2`, the same with `heading` and `inclination`, and
+/// `bias_heading_deg`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeStatistics {
     /// Whole rotation (`attitude`), degrees.
@@ -148,6 +176,8 @@ pub struct AttitudeStatistics {
     pub heading_deg: Statistics,
     /// About a horizontal axis (`inclination`), degrees.
     pub inclination_deg: Statistics,
+    /// [`heading_bias_rad`] of the run, degrees: above zero where the estimate points too far clockwise.
+    pub heading_bias_deg: f64,
 }
 
 impl Serialize for AttitudeStatistics {
@@ -157,22 +187,24 @@ impl Serialize for AttitudeStatistics {
             ("heading", self.heading_deg),
             ("inclination", self.inclination_deg),
         ];
-        serialize_flat(&parts, "deg", serializer)
+        let mut map = serializer.serialize_map(None)?;
+        flat_entries(&mut map, &parts, "deg")?;
+        map.serialize_entry("bias_heading_deg", &self.heading_bias_deg)?;
+        map.end()
     }
 }
 
 /// `{statistic}_{part}_{unit}` for every statistic of every part; the sum of squares has the unit squared.
-fn serialize_flat<S: Serializer>(
+fn flat_entries<M: SerializeMap>(
+    map: &mut M,
     parts: &[(&str, Statistics)],
     unit: &str,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(None)?;
+) -> Result<(), M::Error> {
     for (part, statistics) in parts {
         for (name, value) in statistics.named() {
             let power = if name == "sse" { "2" } else { "" };
             map.serialize_entry(&format!("{name}_{part}_{unit}{power}"), &value)?;
         }
     }
-    map.end()
+    Ok(())
 }

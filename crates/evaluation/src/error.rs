@@ -35,6 +35,14 @@ pub enum EvaluationError {
         /// Last stamp of the truth.
         truth_end: Time,
     },
+    /// Marks and poses of a truth differ in number.
+    #[error("{found} marks for {expected} poses of the truth")]
+    MarksDiffer {
+        /// Number of marks.
+        found: usize,
+        /// Number of poses.
+        expected: usize,
+    },
     /// No two stamps lie near enough to each other.
     #[error("no stamp of the estimate lies within {max_difference} s of a stamp of the truth")]
     NoMatch {

@@ -4,7 +4,8 @@ use crate::EvaluationError;
 use crate::alignment::{Alignment, RigidMotion, align};
 use crate::ape::{self, AttitudeError, PositionErrors, circular_error_probable_m};
 use crate::association::{Association, PosePairs, associate};
-use crate::consistency::solution_nees;
+use crate::consistency::{SolutionNees, solution_nees};
+use crate::marks::{Judged, Phase};
 use crate::report::{AppliedAlignment, EvaluationReport, RelativeReport};
 use crate::rpe::{Delta, Frame, Selection, relative_errors};
 use crate::statistics::{Distribution, Statistics};
@@ -14,7 +15,7 @@ use adit_core::trajectory::{Pose, Trajectory};
 use nalgebra::Vector3;
 
 /// Probability that the χ² bounds of a report stand for.
-const REPORT_PROBABILITY: f64 = 0.95;
+pub(crate) const REPORT_PROBABILITY: f64 = 0.95;
 
 /// What to compare, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,8 @@ pub struct EvaluationOptions {
     pub start_distance_m: f64,
     /// The truth has attitudes: judge them too. Off for a truth of positions alone.
     pub attitude: bool,
+    /// For each pose of the truth, whether it counts; see [`crate::marks`]. All do where this is none.
+    pub marked: Option<Vec<bool>>,
     /// Deltas of the relative errors.
     pub relative: Vec<Delta>,
     /// Which pairs the relative errors take.
@@ -34,13 +37,14 @@ pub struct EvaluationOptions {
 }
 
 impl Default for EvaluationOptions {
-    /// Interpolation over 95 % of the truth, SE(2), attitudes judged, relative errors over 1 m and 10 m.
+    /// Interpolation over 95 % of the truth, SE(2), attitudes judged, every pose counts, relative errors over 1 m and 10 m.
     fn default() -> Self {
         Self {
             association: Association::default(),
             alignment: Alignment::default(),
             start_distance_m: 1.0,
             attitude: true,
+            marked: None,
             relative: vec![Delta::Metres(1.0), Delta::Metres(10.0)],
             selection: Selection::default(),
         }
@@ -62,6 +66,8 @@ pub struct Evaluation {
     pub position_errors: PositionErrors,
     /// Attitude errors at the same times, empty when not judged.
     pub attitude_errors: Vec<AttitudeError>,
+    /// Phases that are not judged.
+    pub unmarked: Vec<Phase>,
     /// The numbers.
     pub report: EvaluationReport,
 }
@@ -72,7 +78,8 @@ pub fn evaluate(
     truth: &Trajectory,
     options: &EvaluationOptions,
 ) -> Result<Evaluation, EvaluationError> {
-    let associated = associate(estimate, truth, &options.association)?;
+    let judged = Judged::of(truth, options.marked.as_deref())?;
+    let associated = associate(estimate, &judged.truth, &options.association)?;
     let motion = align(&associated.pairs, options.alignment, options.start_distance_m)?;
     let pairs = associated.pairs.map_estimate(|pose| motion.pose(pose));
 
@@ -90,6 +97,7 @@ pub fn evaluate(
         alignment: AppliedAlignment::new(options.alignment, options.start_distance_m, &motion),
         poses_estimate: estimate.len(),
         poses_truth: truth.len(),
+        poses_unmarked: judged.left_out,
         poses_compared: pairs.len(),
         covered_share: associated.covered_share,
         duration_s: (times[times.len() - 1] - times[0]).seconds(),
@@ -109,8 +117,24 @@ pub fn evaluate(
         motion,
         position_errors,
         attitude_errors,
+        unmarked: judged.unmarked,
         report,
     })
+}
+
+impl Evaluation {
+    /// Adds whether the covariance of these solutions of the same estimate is honest.
+    pub fn judge_covariance(
+        &mut self,
+        solutions: &[Solution],
+        options: &EvaluationOptions,
+    ) -> Result<(), EvaluationError> {
+        let solutions = Judged::of(&self.truth, options.marked.as_deref())?.solutions(solutions);
+        let nees =
+            solution_nees(&solutions, &self.truth, &self.motion, options.attitude, REPORT_PROBABILITY)?;
+        self.report.nees = Some(nees);
+        Ok(())
+    }
 }
 
 /// Judges solutions with covariance: as [`evaluate`], and whether the covariance is honest.
@@ -120,9 +144,10 @@ pub fn evaluate_solutions(
     options: &EvaluationOptions,
 ) -> Result<Evaluation, EvaluationError> {
     let mut evaluation = evaluate(&trajectory(solutions)?, truth, options)?;
-    let nees = solution_nees(solutions, truth, &evaluation.motion, options.attitude, REPORT_PROBABILITY)?;
-    let given = nees.horizontal.is_some() || nees.position.is_some() || nees.attitude.is_some();
-    evaluation.report.nees = given.then_some(nees);
+    evaluation.judge_covariance(solutions, options)?;
+    let given =
+        |nees: &SolutionNees| [nees.horizontal, nees.position, nees.attitude].iter().any(Option::is_some);
+    evaluation.report.nees = evaluation.report.nees.filter(given);
     Ok(evaluation)
 }
 

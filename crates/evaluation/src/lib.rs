@@ -4,6 +4,7 @@
 //!
 //! | step | module | in → out |
 //! |---|---|---|
+//! | choose | [`marks`] | rows of the truth → those that count |
 //! | associate | [`association`] | two trajectories → pairs of poses at the same time |
 //! | align | [`alignment`] | pairs → rigid motion (none, start, SE(2), SE(3)) |
 //! | absolute errors | [`ape`] | aligned pairs → position and attitude error series |
@@ -13,7 +14,7 @@
 //! | consistency | [`consistency`] | errors and covariances → NEES, NIS and their χ² bounds |
 //! | show | [`report`], [`plot`] | JSON, table, SVG |
 //!
-//! [`evaluate()`] runs them all. Nothing here reads or writes files: trajectories come in as
+//! [`evaluate()`] runs them all, [`evaluate_attitude`] those that need no positions. Nothing here reads or writes files: trajectories come in as
 //! [`adit_core::trajectory::Trajectory`], plots and reports go out as text.
 //!
 //! ```
@@ -38,14 +39,17 @@
 pub mod alignment;
 pub mod ape;
 pub mod association;
+pub mod attitude_only;
 pub mod consistency;
 mod error;
 pub mod evaluate;
+pub mod marks;
 pub mod plot;
 pub mod report;
 pub mod rpe;
 pub mod statistics;
 pub mod travel;
 
+pub use attitude_only::{AttitudeEvaluation, WithoutPosition, evaluate_attitude};
 pub use error::EvaluationError;
 pub use evaluate::{Evaluation, EvaluationOptions, evaluate, evaluate_solutions};

@@ -5,10 +5,10 @@
 //! | fields | meaning |
 //! |---|---|
 //! | `association`, `alignment` | what was done before errors were taken; a figure means nothing without |
-//! | `poses_estimate`, `poses_truth`, `poses_compared`, `covered_share`, `duration_s` | what was compared |
+//! | `poses_estimate`, `poses_truth`, `poses_unmarked`, `poses_compared`, `covered_share`, `duration_s` | what was compared |
 //! | `{rmse,mean,median,p90,p95,max,min,std}_{2d,3d,vertical}_m`, `sse_…_m2` | absolute position errors |
 //! | `cep50_m`, `cep95_m` | radius about the truth that holds 50 %, 95 % of the horizontal errors |
-//! | `{rmse,…}_{attitude,heading,inclination}_deg`, `sse_…_deg2` | attitude errors; absent when not judged |
+//! | `{rmse,…}_{attitude,heading,inclination}_deg`, `sse_…_deg2`, `bias_heading_deg` | attitude errors; absent when not judged |
 //! | `end_2d_m`, `end_3d_m`, `end_vertical_m`, `end_share` | error of the last pose, share of the true path |
 //! | `path_truth_m`, `path_estimate_m`, `path_ratio` | horizontal distance travelled on 0.25 m chords |
 //! | `path_sum_truth_m`, `path_sum_estimate_m` | plain sum of steps in space |
@@ -36,9 +36,11 @@ pub struct EvaluationReport {
     pub poses_estimate: usize,
     /// Poses of the truth.
     pub poses_truth: usize,
+    /// Poses of the truth that it does not mark, left out.
+    pub poses_unmarked: usize,
     /// Pairs compared.
     pub poses_compared: usize,
-    /// Share of the poses of the truth that were compared, 0 to 1.
+    /// Share of the judged poses of the truth that were compared, 0 to 1.
     pub covered_share: f64,
     /// Time from the first to the last pair, s.
     pub duration_s: f64,
@@ -141,31 +143,60 @@ impl fmt::Display for AppliedAlignment {
 
 impl fmt::Display for EvaluationReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "associated  {}", self.association)?;
-        writeln!(
-            f,
-            "compared    {} poses over {:.1} s, {:.1} % of the truth",
-            self.poses_compared,
-            self.duration_s,
-            self.covered_share * 100.0
-        )?;
+        let compared = Compared {
+            association: &self.association,
+            poses_truth: self.poses_truth,
+            poses_unmarked: self.poses_unmarked,
+            poses_compared: self.poses_compared,
+            covered_share: self.covered_share,
+            duration_s: self.duration_s,
+        };
+        write!(f, "{compared}")?;
         writeln!(f, "aligned     {}", self.alignment)?;
         writeln!(f)?;
-        heading(f)?;
+        head_row(f)?;
         row(f, "position 2D", "m", &self.position.horizontal_m)?;
         row(f, "position 3D", "m", &self.position.spatial_m)?;
         row(f, "vertical", "m", &self.position.vertical_m)?;
         if let Some(attitude) = &self.attitude {
-            row(f, "attitude", "°", &attitude.total_deg)?;
-            row(f, "heading", "°", &attitude.heading_deg)?;
-            row(f, "inclination", "°", &attitude.inclination_deg)?;
+            attitude_rows(f, attitude)?;
         }
         for relative in &self.relative {
             relative_rows(f, relative)?;
         }
         writeln!(f)?;
+        self.attitude.iter().try_for_each(|attitude| bias_line(f, attitude))?;
         self.end_lines(f)?;
         self.nees.iter().try_for_each(|nees| nees_lines(f, nees))
+    }
+}
+
+/// What was compared, for eyes.
+pub(crate) struct Compared<'a> {
+    pub association: &'a Association,
+    pub poses_truth: usize,
+    pub poses_unmarked: usize,
+    pub poses_compared: usize,
+    pub covered_share: f64,
+    pub duration_s: f64,
+}
+
+impl fmt::Display for Compared<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "associated  {}", self.association)?;
+        let (compared, seconds, percent) = (self.poses_compared, self.duration_s, self.covered_share * 100.0);
+        if self.poses_unmarked == 0 {
+            return writeln!(
+                f,
+                "compared    {compared} poses over {seconds:.1} s, {percent:.1} % of the truth"
+            );
+        }
+        let (truth, marked) = (self.poses_truth, self.poses_truth - self.poses_unmarked);
+        writeln!(
+            f,
+            "scored      {marked} of {truth} rows of the truth: those that its column `moving` marks"
+        )?;
+        writeln!(f, "compared    {compared} poses over {seconds:.1} s, {percent:.1} % of these rows")
     }
 }
 
@@ -189,12 +220,24 @@ impl EvaluationReport {
     }
 }
 
-fn heading(f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub(crate) fn head_row(f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, "{:<22}", "error")?;
     for name in ["rmse", "mean", "median", "p90", "p95", "max", "std"] {
         write!(f, "{name:>10}")?;
     }
     writeln!(f)
+}
+
+pub(crate) fn attitude_rows(f: &mut fmt::Formatter<'_>, attitude: &AttitudeStatistics) -> fmt::Result {
+    row(f, "attitude", "°", &attitude.total_deg)?;
+    row(f, "heading", "°", &attitude.heading_deg)?;
+    row(f, "inclination", "°", &attitude.inclination_deg)
+}
+
+pub(crate) fn bias_line(f: &mut fmt::Formatter<'_>, attitude: &AttitudeStatistics) -> fmt::Result {
+    let bias = attitude.heading_bias_deg;
+    let way = if bias < 0.0 { "counter-clockwise" } else { "clockwise" };
+    writeln!(f, "heading     {:.2}° too far {way} over the run", bias.abs())
 }
 
 fn row(f: &mut fmt::Formatter<'_>, name: &str, unit: &str, s: &Statistics) -> fmt::Result {
@@ -214,7 +257,7 @@ fn relative_rows(f: &mut fmt::Formatter<'_>, relative: &RelativeReport) -> fmt::
     relative.angle_deg.iter().try_for_each(|angle| row(f, &name, "°", angle))
 }
 
-fn nees_lines(f: &mut fmt::Formatter<'_>, nees: &SolutionNees) -> fmt::Result {
+pub(crate) fn nees_lines(f: &mut fmt::Formatter<'_>, nees: &SolutionNees) -> fmt::Result {
     let parts = [("horizontal", nees.horizontal), ("position", nees.position), ("attitude", nees.attitude)];
     for (name, part) in parts {
         let Some(RunNees { dimension, mean, bounds, probability, share_inside, .. }) = part else { continue };

@@ -39,6 +39,7 @@ fn the_names_of_the_json_are_stable() {
         "alignment",
         "poses_estimate",
         "poses_truth",
+        "poses_unmarked",
         "poses_compared",
         "covered_share",
         "duration_s",
@@ -66,6 +67,7 @@ fn the_names_of_the_json_are_stable() {
             expected.push(format!("sse_{part}_{unit}2"));
         }
     }
+    expected.push("bias_heading_deg".to_owned());
     expected.sort();
     let mut found = keys(&json);
     found.sort();

@@ -223,6 +223,20 @@ impl<const B: usize> BlockAdjoint<B> {
                 self.matrix[*row][*column] += left.transpose() * inner * right;
             }
         }
+        self.symmetrise();
+    }
+
+    /// The update above is right only for a symmetric matrix: rounding that is not would grow at every update.
+    fn symmetrise(&mut self) {
+        for row in 0..B {
+            let diagonal = self.matrix[row][row];
+            self.matrix[row][row] = (diagonal + diagonal.transpose()) * 0.5;
+            for column in row + 1..B {
+                let mean = (self.matrix[row][column] + self.matrix[column][row].transpose()) * 0.5;
+                self.matrix[row][column] = mean;
+                self.matrix[column][row] = mean.transpose();
+            }
+        }
     }
 
     /// Back through a prediction: `λ ← Fᵀλ`, `Λ ← FᵀΛF`.

@@ -9,7 +9,7 @@ use adit_estimation::methods::MethodError;
 use adit_estimation::methods::ahrs::{Ahrs, AhrsParams, AhrsReport};
 use adit_observation::{ImuSample, MagneticSample, Observation};
 
-/// Rate of the samples, Hz.
+/// Rate of the samples where a tag does not say otherwise, Hz.
 pub const RATE_HZ: f64 = 200.0;
 /// Gravity, m/s².
 pub const GRAVITY_M_S2: f64 = 9.81;
@@ -32,6 +32,8 @@ pub struct Tag {
     pub carry_m: f64,
     /// Length of the log, s.
     pub duration_s: f64,
+    /// Rate of all samples, Hz.
+    pub rate_hz: f64,
     pub gyro_bias_rad_s: Vector3<f64>,
     pub gyro_scale: f64,
     pub offset_ut: Vector3<f64>,
@@ -53,6 +55,7 @@ impl Default for Tag {
             speed: 1.0,
             carry_m: 0.3,
             duration_s: 90.0,
+            rate_hz: RATE_HZ,
             gyro_bias_rad_s: Vector3::new(0.004, -0.006, 0.003),
             gyro_scale: 0.002,
             offset_ut: Vector3::zeros(),
@@ -91,9 +94,9 @@ impl Tag {
     /// The log, and the truth at each inertial sample.
     pub fn record(&self, seed: u64) -> (Vec<Observation>, Vec<Attitude>) {
         let mut draws = Draws::new(seed);
-        let dt = 1.0 / RATE_HZ;
+        let dt = 1.0 / self.rate_hz;
         let (mut log, mut truth) = (Vec::new(), Vec::new());
-        for k in 1..=(self.duration_s * RATE_HZ) as usize {
+        for k in 1..=(self.duration_s * self.rate_hz) as usize {
             let (before, now) = ((k - 1) as f64 * dt, k as f64 * dt);
             let (start, end) = (self.attitude(before), self.attitude(now));
             let rate = attitude::log(&(start.inverse() * end)) / dt;

@@ -27,6 +27,8 @@ pub const INK: RGBColor = RGBColor(0x22, 0x26, 0x2A);
 pub const FAINT_INK: RGBColor = RGBColor(0x5B, 0x63, 0x6B);
 pub const AXIS: RGBColor = RGBColor(0x9A, 0xA2, 0xAA);
 pub const GRID: RGBColor = RGBColor(0xE6, 0xE9, 0xEC);
+/// Phases that do not count.
+pub const SHADE: RGBColor = RGBColor(0xDF, 0xE4, 0xEA);
 pub const GROUND: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
 const TRUTH: RGBColor = RGBColor(0x8A, 0x8F, 0x96);
 /// Okabe & Ito 2008, the darker ones first; yellow is too pale for thin lines.

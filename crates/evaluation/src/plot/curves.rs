@@ -1,12 +1,12 @@
 //! Errors over time, and how they are distributed.
 
 use super::axes::{Axis, Entry, Frame, Swatch};
-use super::canvas::{AXIS, Area, FAINT_INK, Type, color, stroke, text, units, width_px};
+use super::canvas::{AXIS, Area, FAINT_INK, SHADE, Type, color, fill, stroke, text, units, width_px};
 use super::thin::{by_columns, by_distance};
 use super::{DistributionCurve, Role, TimeCurve};
 use crate::EvaluationError;
 use crate::statistics::Distribution;
-use plotters::element::{EmptyElement, PathElement, Text};
+use plotters::element::{EmptyElement, PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, VPos};
 
 /// Room above the highest value, as a share.
@@ -14,21 +14,42 @@ const HEADROOM: f64 = 1.06;
 /// A distribution is cut where its 99th percentile, times this, leaves the largest error far outside.
 const OUTLIER_RATIO: f64 = 2.5;
 
-/// Draws values over time. Values below zero are shown when there are any.
+/// Phases of a curve over time that are not scored, s.
+pub type Phases = [(f64, f64)];
+
+/// Draws values over time. Values below zero are shown when there are any. Phases that are not scored are shaded; values
+/// there may be far off and do not squeeze the others: the axis grows by its own length each way at most.
 pub fn over_time(
     area: &Area<'_>,
     heading: &str,
     y_label: &str,
     series: &[TimeCurve],
+    unscored: &Phases,
 ) -> Result<(), EvaluationError> {
-    let frame = Frame::new(area, heading, &legend(series.iter().map(|curve| curve.label.as_str())))?;
     let points = || series.iter().flat_map(|curve| &curve.points);
+    let scored = |p: &&(f64, f64)| !unscored.iter().any(|(from, to)| (*from..=*to).contains(&p.0));
     let (start, end) = span(points().map(|p| p.0));
-    let (low, high) = span(points().map(|p| p.1));
+    let (low, high) = span(points().filter(scored).map(|p| p.1));
     let (low, high) = (low.min(0.0), high.max(0.0));
+    let (lowest, highest) = span(points().map(|p| p.1));
+    let bounds = (lowest.clamp(2.0 * low - high, low), highest.clamp(high, 2.0 * high - low));
+    let cut = lowest < bounds.0 || highest > bounds.1;
+
+    let mut entries = legend(series.iter().map(|curve| curve.label.as_str()));
+    if !unscored.is_empty() {
+        let label = if cut { "not scored, cut off where far out" } else { "not scored" };
+        entries.push(Entry { label: label.to_owned(), color: SHADE, swatch: Swatch::Square });
+    }
+    let frame = Frame::new(area, heading, &entries)?;
     let x = Axis { label: "time (s)".to_owned(), range: start..end.max(start + 1e-3) };
-    let y = Axis { label: y_label.to_owned(), range: low * HEADROOM..(high * HEADROOM).max(low + 1e-6) };
+    let room = bounds.0 * HEADROOM..(bounds.1 * HEADROOM).max(bounds.0 + 1e-6);
+    let y = Axis { label: y_label.to_owned(), range: room.clone() };
     let mut chart = frame.chart(&x, &y)?;
+    let shaded = |(from, to): &(f64, f64)| {
+        let corners = [(from.max(start), room.start), (to.min(end), room.end)];
+        (corners[0].0 < corners[1].0).then(|| Rectangle::new(corners, fill(SHADE)))
+    };
+    chart.draw_series(unscored.iter().filter_map(shaded))?;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -38,16 +59,27 @@ pub fn over_time(
     // The last first: the first curve is the one that matters and lies on top.
     for (number, curve) in series.iter().enumerate().rev() {
         let role = Role::Estimate(number);
-        let line = by_columns(&curve.points, columns);
-        chart.draw_series([PathElement::new(line, stroke(color(role), 1.2))])?;
+        for piece in pieces(&curve.points, unscored) {
+            let mut line = by_columns(piece, columns);
+            for point in &mut line {
+                point.1 = point.1.clamp(bounds.0, bounds.1);
+            }
+            chart.draw_series([PathElement::new(line, stroke(color(role), 1.2))])?;
+        }
     }
     Ok(())
 }
 
-/// Draws cumulative distributions, with lines at 50 % and 95 %.
+/// A curve in pieces: no line runs through a phase in which it has no points.
+fn pieces<'p>(points: &'p [(f64, f64)], unscored: &'p Phases) -> impl Iterator<Item = &'p [(f64, f64)]> {
+    points.chunk_by(|a, b| !unscored.iter().any(|(from, to)| a.0 < *from && *to < b.0))
+}
+
+/// Draws cumulative distributions of errors in this unit, with lines at 50 % and 95 %.
 pub fn distributions(
     area: &Area<'_>,
     heading: &str,
+    unit: &str,
     series: &[DistributionCurve],
 ) -> Result<(), EvaluationError> {
     let legend = legend(series.iter().map(|curve| curve.label.as_str()));
@@ -57,9 +89,10 @@ pub fn distributions(
     let cut = most * OUTLIER_RATIO < largest && most > 0.0;
     let end = if cut { most * 1.3 } else { (largest * 1.02).max(1e-6) };
     let label = if cut {
-        format!("error (m); the largest, {largest:.2} m, lies beyond")
+        let space = if unit == "°" { "" } else { " " };
+        format!("error ({unit}); the largest, {largest:.2}{space}{unit}, lies beyond")
     } else {
-        "error (m)".to_owned()
+        format!("error ({unit})")
     };
 
     let x = Axis { label, range: 0.0..end };

@@ -6,15 +6,19 @@
 //!
 //! Text stays text (`<text>`, sans-serif of the viewer), so its width is guessed with room to spare.
 
+mod attitude;
 mod axes;
 mod canvas;
 mod curves;
 mod path;
 mod thin;
 
+use crate::marks::Phase;
 use crate::statistics::Distribution;
 use crate::{Evaluation, EvaluationError};
+use adit_core::time::Time;
 use adit_core::trajectory::Trajectory;
+pub use attitude::attitude_figure;
 pub use thin::MAX_POINTS;
 
 /// What a curve stands for; it decides colour and weight.
@@ -79,12 +83,14 @@ pub fn evaluation_figure(evaluation: &Evaluation, title: &str) -> Result<String,
         };
         path::draw(&path_area, "Path", &paths)?;
         let areas = rest.split_evenly(if wide { (1, panels) } else { (panels, 1) });
-        curves::over_time(&areas[0], "Position error over time", "error (m)", &position_curves(evaluation))?;
+        let unscored = phases(&evaluation.unmarked, evaluation.position_errors.times());
+        let position = position_curves(evaluation);
+        curves::over_time(&areas[0], "Position error over time", "error (m)", &position, &unscored)?;
         if !attitude.is_empty() {
-            curves::over_time(&areas[1], "Attitude error over time", "error (°)", &attitude)?;
+            curves::over_time(&areas[1], "Attitude error over time", "error (°)", &attitude, &unscored)?;
         }
         let distributions = evaluation_distributions(evaluation);
-        curves::distributions(&areas[panels - 1], "Distribution of the errors", &distributions)
+        curves::distributions(&areas[panels - 1], "Distribution of the errors", "m", &distributions)
     })
 }
 
@@ -104,12 +110,12 @@ fn path_panel_height(width_px: f64, aspect: f64) -> i32 {
 
 /// Curves over time; `y_label` names the quantity with its unit.
 pub fn time_figure(series: &[TimeCurve], title: &str, y_label: &str) -> Result<String, EvaluationError> {
-    canvas::svg((900, 420), title, |page| curves::over_time(page, "", y_label, series))
+    canvas::svg((900, 420), title, |page| curves::over_time(page, "", y_label, series, &[]))
 }
 
 /// Cumulative distributions of errors in metres.
 pub fn distribution_figure(series: &[DistributionCurve], title: &str) -> Result<String, EvaluationError> {
-    canvas::svg((900, 480), title, |page| curves::distributions(page, "", series))
+    canvas::svg((900, 480), title, |page| curves::distributions(page, "", "m", series))
 }
 
 /// Truth and aligned estimate of an evaluation.
@@ -137,11 +143,11 @@ pub fn position_curves(evaluation: &Evaluation) -> Vec<TimeCurve> {
     ]
 }
 
-/// Heading and inclination errors of an evaluation in degrees; empty when attitudes were not judged.
+/// Heading (with its sign) and inclination errors of an evaluation in degrees; empty when attitudes were not judged.
 pub fn attitude_curves(evaluation: &Evaluation) -> Vec<TimeCurve> {
     let Some(report) = &evaluation.report.attitude else { return Vec::new() };
     let errors = &evaluation.attitude_errors;
-    let heading: Vec<f64> = errors.iter().map(|e| e.heading_rad.to_degrees()).collect();
+    let heading: Vec<f64> = errors.iter().map(|e| e.signed_heading_rad.to_degrees()).collect();
     let inclination: Vec<f64> = errors.iter().map(|e| e.inclination_rad.to_degrees()).collect();
     vec![
         time_curve(evaluation, format!("heading, RMSE {:.2}°", report.heading_deg.rmse), &heading),
@@ -168,7 +174,17 @@ pub fn evaluation_distributions(evaluation: &Evaluation) -> Vec<DistributionCurv
 }
 
 fn time_curve(evaluation: &Evaluation, label: String, values: &[f64]) -> TimeCurve {
-    let times = evaluation.position_errors.times();
+    curve_since_first(label, evaluation.position_errors.times(), values.iter().copied())
+}
+
+fn curve_since_first(label: String, times: &[Time], values: impl Iterator<Item = f64>) -> TimeCurve {
     let since_first = times.iter().map(|time| (*time - times[0]).seconds());
-    TimeCurve { label, points: since_first.zip(values.iter().copied()).collect() }
+    TimeCurve { label, points: since_first.zip(values).collect() }
+}
+
+/// Phases that are not scored, s from the first of these times.
+fn phases(unmarked: &[Phase], times: &[Time]) -> Vec<(f64, f64)> {
+    let Some(first) = times.first() else { return Vec::new() };
+    let since = |time: Time| (time - *first).seconds();
+    unmarked.iter().map(|phase| (since(phase.start), since(phase.end))).collect()
 }

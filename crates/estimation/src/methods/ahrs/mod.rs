@@ -101,6 +101,8 @@ impl Ahrs {
                 self.latest = Some(imu.time);
             }
             Observation::Magnetic(magnetic) if !finite(&magnetic.field_ut) => return Ok(None),
+            // Before the first inertial sample there is nothing to hold a field against.
+            Observation::Magnetic(_) if self.latest.is_none() => return Ok(None),
             Observation::Magnetic(_) => {}
         }
         if self.held.is_empty() && self.gap_before(observation).is_none() {
