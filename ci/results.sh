@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # Regenerates every figure of the docs:
-#   the block from `<!-- results:begin -->` to `<!-- results:end -->` of a page: the recorded sets with truth;
-#   the block from `<!-- loops:begin -->` to `<!-- loops:end -->`: the walks without;
-#   the block from `<!-- attitude:begin -->` to `<!-- attitude:end -->`: the recorded attitude trials, next to VQF;
-#   the block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
-#   the block from `<!-- walks:begin -->` to `<!-- walks:end -->`: the simulated walk of system S2 over many seeds;
+#   a block from `<!-- NAME:begin -->` to `<!-- NAME:end -->` of a page: the table NAME made below (`results`: the recorded
+#   sets with truth, `loops`: the walks without, `attitude`: the attitude trials next to VQF, `parts`: the same with a part of
+#   the method left out, `walks`: the simulated walk of system S2 over many seeds);
+#   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -15,7 +14,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example simulated_walks --example stance_figure
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -23,10 +22,12 @@ complete=0
 "$bin/examples/recorded_results" "$bin/adit" "$ADIT_DATA" "$fresh" || complete=$?
 [ -f "$fresh/trials.md" ] || exit 1
 cp "$fresh/trials.md" docs/results/trials.md
+mv "$fresh/sets.md" "$fresh/results.md"
 
 if [ -n "$rival_python" ]; then
     "$bin/examples/attitude_results" "$bin/adit" "$ADIT_DATA" "$rival_python" "$fresh/attitude.md" || complete=$?
 fi
+"$bin/examples/attitude_parts" "$ADIT_DATA" "$fresh/parts.md" docs/results/ahrs-delay.svg || complete=$?
 # A table without the rival would say less than the one that stands there.
 [ -f "$fresh/attitude.md" ] || echo "results: the attitude table is left as it is" >&2
 
@@ -47,44 +48,34 @@ cp "$fresh/here/out/demo/evaluation.svg" docs/results/demo-evaluation.svg
 
 # A page with its blocks made anew.
 renew() {
-    local line inside=
+    local line name inside=
     while IFS= read -r line; do
         case $line in
-        '<!-- results:end -->' | '<!-- loops:end -->' | '<!-- walks:end -->' | '<!-- attitude:end -->' | '<!-- run:end -->') inside= ;;
+        '<!-- '*':end -->') inside= ;;
         esac
         if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
         case $line in
-        '<!-- results:begin -->')
-            inside=yes
-            printf '\n%s\n\n' "$(cat "$fresh/sets.md")"
-            ;;
-        '<!-- loops:begin -->')
-            inside=yes
-            printf '\n%s\n\n' "$(cat "$fresh/loops.md")"
-            ;;
-        '<!-- walks:begin -->')
-            inside=yes
-            printf '\n%s\n\n' "$(cat "$fresh/walks.md")"
-            ;;
-        '<!-- attitude:begin -->')
-            if [ -f "$fresh/attitude.md" ]; then
-                inside=yes
-                printf '\n%s\n\n' "$(cat "$fresh/attitude.md")"
-            fi
-            ;;
         '<!-- run:begin adit '*' -->')
             inside=yes
             line=${line#<!-- run:begin } line=${line% -->}
             printf '\n```text\n$ %s\n%s\n```\n\n' "$line" "$(run "$line")"
             ;;
+        '<!-- '*':begin -->')
+            name=${line#<!-- } name=${name%:begin -->}
+            # What could not be made anew stays as it is.
+            if [ -f "$fresh/$name.md" ]; then
+                inside=yes
+                printf '\n%s\n\n' "$(cat "$fresh/$name.md")"
+            fi
+            ;;
         esac
     done <"$1"
 }
 
-for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|attitude|run):begin' README.md docs); do
+for page in $(grep -rlE --include='*.md' '^<!-- [a-z0-9-]+:begin' README.md docs); do
     renew "$page" >"$fresh/page"
     cp "$fresh/page" "$page"
     echo "results: wrote $page"
 done
-cat "$fresh/sets.md" "$fresh/loops.md"
+cat "$fresh/results.md" "$fresh/loops.md"
 exit $complete
