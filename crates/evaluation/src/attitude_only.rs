@@ -9,7 +9,7 @@ use crate::association::{Association, associate};
 use crate::consistency::{SolutionNees, solution_nees};
 use crate::evaluate::{EvaluationOptions, REPORT_PROBABILITY};
 use crate::marks::{Judged, Phase};
-use crate::report::{Compared, attitude_rows, bias_line, head_row, nees_lines};
+use crate::report::{Coverage, attitude_rows, bias_line, head_row, nees_lines};
 use adit_core::attitude::Attitude;
 use adit_core::solution::Solution;
 use adit_core::time::Time;
@@ -175,7 +175,7 @@ impl fmt::Display for AppliedTurn {
 impl fmt::Display for AttitudeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "judged      attitude alone: {}", self.without_position)?;
-        let compared = Compared {
+        let coverage = Coverage {
             association: &self.association,
             poses_truth: self.poses_truth,
             poses_unmarked: self.poses_unmarked,
@@ -183,7 +183,7 @@ impl fmt::Display for AttitudeReport {
             covered_share: self.covered_share,
             duration_s: self.duration_s,
         };
-        write!(f, "{compared}")?;
+        write!(f, "{coverage}")?;
         writeln!(f, "aligned     {}\n", self.alignment)?;
         head_row(f)?;
         attitude_rows(f, &self.attitude)?;

@@ -143,7 +143,7 @@ impl fmt::Display for AppliedAlignment {
 
 impl fmt::Display for EvaluationReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let compared = Compared {
+        let coverage = Coverage {
             association: &self.association,
             poses_truth: self.poses_truth,
             poses_unmarked: self.poses_unmarked,
@@ -151,7 +151,7 @@ impl fmt::Display for EvaluationReport {
             covered_share: self.covered_share,
             duration_s: self.duration_s,
         };
-        write!(f, "{compared}")?;
+        write!(f, "{coverage}")?;
         writeln!(f, "aligned     {}", self.alignment)?;
         writeln!(f)?;
         head_row(f)?;
@@ -172,7 +172,7 @@ impl fmt::Display for EvaluationReport {
 }
 
 /// What was compared, for eyes.
-pub(crate) struct Compared<'a> {
+pub(crate) struct Coverage<'a> {
     pub association: &'a Association,
     pub poses_truth: usize,
     pub poses_unmarked: usize,
@@ -181,7 +181,7 @@ pub(crate) struct Compared<'a> {
     pub duration_s: f64,
 }
 
-impl fmt::Display for Compared<'_> {
+impl fmt::Display for Coverage<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "associated  {}", self.association)?;
         let (compared, seconds, percent) = (self.poses_compared, self.duration_s, self.covered_share * 100.0);

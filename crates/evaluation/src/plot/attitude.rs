@@ -6,11 +6,14 @@ use crate::ape::AttitudeError;
 use crate::statistics::Distribution;
 use crate::{AttitudeEvaluation, EvaluationError};
 
+/// A part of an attitude error, rad.
+type Part = fn(&AttitudeError) -> f64;
+
 /// Heading error with its sign and inclination error over time, and the distribution of both and of the whole angle.
 pub fn attitude_figure(evaluation: &AttitudeEvaluation, title: &str) -> Result<String, EvaluationError> {
     let report = &evaluation.report.attitude;
     let (times, unscored) = (&evaluation.times, phases(&evaluation.unmarked, &evaluation.times));
-    let over_time = |label: String, part: fn(&AttitudeError) -> f64| {
+    let over_time = |label: String, part: Part| {
         let degrees = evaluation.errors.iter().map(|error| part(error).to_degrees());
         [curve_since_first(label, times, degrees)]
     };
@@ -30,7 +33,7 @@ pub fn attitude_figure(evaluation: &AttitudeEvaluation, title: &str) -> Result<S
 
 /// Of the errors that are scored.
 fn distributions(evaluation: &AttitudeEvaluation) -> Vec<DistributionCurve> {
-    let parts: [(&str, fn(&AttitudeError) -> f64); 3] = [
+    let parts: [(&str, Part); 3] = [
         ("heading", |e| e.heading_rad),
         ("inclination", |e| e.inclination_rad),
         ("whole angle", |e| e.total_rad),
