@@ -92,7 +92,8 @@ fn text(report: &impl serde::Serialize) -> String {
 }
 
 fn number(report: &Value, name: &str) -> f64 {
-    report[name].as_f64().unwrap_or_else(|| panic!("no {name} in {report}"))
+    assert!(report[name].is_f64(), "no {name} in {report}");
+    report[name].as_f64().unwrap()
 }
 
 #[test]

@@ -10,7 +10,7 @@
 mod support;
 
 use adit_core::attitude::Attitude;
-use adit_core::nalgebra::Vector3;
+use adit_core::nalgebra::{Matrix, Vector3};
 use adit_estimation::methods::ahrs::{Ahrs, AhrsParams, smooth};
 use adit_observation::Observation;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -41,7 +41,7 @@ fn benchmarks(criterion: &mut Criterion) {
     let six_axis: Vec<Observation> = nine_axis.iter().filter(is_inertial).copied().collect();
     let single = nine_axis.chunks(2).map(|pair| match pair {
         [Observation::Imu(imu), Observation::Magnetic(magnetic)] => {
-            [imu.angular_rate_rad_s, imu.specific_force_m_s2, magnetic.field_ut].map(|v| v.cast())
+            [imu.angular_rate_rad_s, imu.specific_force_m_s2, magnetic.field_ut].map(Matrix::cast)
         }
         _ => [Vector3::zeros(); 3],
     });

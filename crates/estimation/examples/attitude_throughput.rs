@@ -8,7 +8,7 @@
 mod support;
 
 use adit_core::attitude::{self, Attitude};
-use adit_core::nalgebra::Vector3;
+use adit_core::nalgebra::{Matrix, Vector3};
 use adit_estimation::methods::MethodError;
 use adit_estimation::methods::ahrs::{Ahrs, AhrsParams};
 use adit_observation::Observation;
@@ -85,7 +85,7 @@ fn vqf(samples: &[[Vector3<f32>; 3]]) -> Attitude {
 fn in_single_precision(observations: &[Observation]) -> Vec<[Vector3<f32>; 3]> {
     let sample = |pair: &[Observation]| match pair {
         [Observation::Imu(imu), Observation::Magnetic(magnetic)] => {
-            Some([imu.angular_rate_rad_s, imu.specific_force_m_s2, magnetic.field_ut].map(|v| v.cast()))
+            Some([imu.angular_rate_rad_s, imu.specific_force_m_s2, magnetic.field_ut].map(Matrix::cast))
         }
         _ => None,
     };

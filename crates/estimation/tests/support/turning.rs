@@ -96,7 +96,13 @@ impl Tag {
         let mut draws = Draws::new(seed);
         let dt = 1.0 / self.rate_hz;
         let (mut log, mut truth) = (Vec::new(), Vec::new());
-        for k in 1..=(self.duration_s * self.rate_hz) as usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some minutes of samples"
+        )]
+        let samples = (self.duration_s * self.rate_hz) as usize;
+        for k in 1..=samples {
             let (before, now) = ((k - 1) as f64 * dt, k as f64 * dt);
             let (start, end) = (self.attitude(before), self.attitude(now));
             let rate = attitude::log(&(start.inverse() * end)) / dt;
