@@ -146,8 +146,9 @@ impl Cable {
 
     /// Direction and current are those of a cable.
     pub fn check(&self) -> Result<(), SimulationError> {
-        let far = |v: &Vector3<f64>| v.amax();
-        check_within("through_m", far(&self.through_m), 0.0, 1e5, "-100 to 100 km")?;
+        for coordinate in self.through_m.iter() {
+            check_within("through_m", *coordinate, -1e5, 1e5, "-100 to 100 km")?;
+        }
         check_within("along", self.along.norm(), 1e-6, 1e6, "a direction of length 1e-6 to 1e6")?;
         check_within("current_a", self.current_a, -1e6, 1e6, "-1e6 to 1e6 A")?;
         check_within("frequency_hz", self.frequency_hz, 0.0, 1e4, "0 to 10 kHz")?;
