@@ -26,10 +26,19 @@ impl Source {
 
     /// An error of the simulator: at the line that names the parameter, else where `span` starts.
     pub fn refused(&self, span: &Range<usize>, error: &SimulationError) -> Error {
-        let SimulationError::Parameter { name, .. } = error;
+        let SimulationError::Parameter { name, found, expected } = error;
         let inside = self.text.get(span.start..self.end(span)).unwrap_or_default();
-        let at = key(inside, stem(name)).map_or(span.start, |found| span.start + found);
-        self.error(&(at..at), &error.to_string())
+        // Files give degrees where the simulator counts in rad.
+        if let Some(angle) = name.strip_suffix("_rad").map(|stem| format!("{stem}_deg"))
+            && let Some(at) = key(inside, &angle)
+        {
+            // Nine digits hide what the way to radians and back has rounded.
+            let degrees = (found.to_degrees() * 1e6).round() * 1e-6;
+            let what = format!("{angle} is {degrees} ({found:.3} rad), expected {expected}");
+            return self.error(&(span.start + at..span.end), &what);
+        }
+        let at = span.start + key(inside, name).unwrap_or(0);
+        self.error(&(at..span.end), &error.to_string())
     }
 
     /// Where a value ends. The span of a `[table]` is that of its header alone; its body ends at the next header.
@@ -51,20 +60,13 @@ fn is_header(line: &str) -> bool {
     inner.len() < line.trim_start().len() && inner.starts_with(|c: char| c.is_alphabetic() || c == '"')
 }
 
-/// The name of a quantity without its unit of angle: files give degrees where the simulator counts in rad.
-fn stem(name: &str) -> &str {
-    name.strip_suffix("_rad").unwrap_or(name)
-}
-
-/// Where `name`, with any unit of angle, stands as a key.
+/// Where `name` stands as a key, outside comments.
 fn key(text: &str, name: &str) -> Option<usize> {
     text.match_indices(name).map(|(at, _)| at).find(|at| {
         let line = text[..*at].rsplit('\n').next().unwrap_or_default();
-        let before = line.chars().next_back();
-        let after = &text[at + name.len()..];
-        let after = after.strip_prefix("_deg").or_else(|| after.strip_prefix("_rad")).unwrap_or(after);
+        let after = text[at + name.len()..].trim_start();
         !line.contains('#')
-            && !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
-            && after.trim_start().starts_with('=')
+            && !line.ends_with(|c: char| c.is_alphanumeric() || c == '_')
+            && after.starts_with('=')
     })
 }
