@@ -21,8 +21,8 @@ fn walk(imu: &ImuErrorModel, model: &MagnetometerModel, seed: u64) -> Vec<Emissi
     generate_marg(&FootWalkScenario::straight(8.0), imu, &world(), model, seed).unwrap().collect()
 }
 
-fn tumbled(tumble: Tumble, model: &MagnetometerModel) -> Vec<(MagneticSample, MagneticTruth)> {
-    let imu = Generator::new(tumble, IdealImu::default(), 100.0, &ImuErrorModel::default(), 1).unwrap();
+fn tumbled(tumble: &Tumble, model: &MagnetometerModel) -> Vec<(MagneticSample, MagneticTruth)> {
+    let imu = Generator::new(*tumble, IdealImu::default(), 100.0, &ImuErrorModel::default(), 1).unwrap();
     let both = imu.with_magnetometer(world(), model, 1).unwrap();
     both.filter_map(|emission| match emission {
         Emission::Magnetic(sample, truth) => Some((sample, truth)),
@@ -54,7 +54,7 @@ fn stamps_of_both_sensors_rise_together_however_much_they_jitter() {
         let seconds = FootWalkScenario::straight(8.0).walk(2).unwrap().duration_s();
         // Every sample that the time has room for, to the end of the walk.
         assert!((own.len() as f64 - seconds * rate_hz).abs() <= 1.0, "{} in {seconds} s", own.len());
-        assert_eq!(inertial(&all).len(), (seconds * 200.0) as usize);
+        assert!((inertial(&all).len() as f64 - seconds * 200.0).abs() <= 1.0);
     }
 }
 
@@ -102,7 +102,7 @@ fn each_sensor_has_its_own_random_numbers() {
 #[test]
 fn an_ideal_sample_is_the_field_of_the_world_in_the_axes_of_the_sensor() {
     let tumble = Tumble::over_the_sphere(20.0);
-    for (sample, truth) in tumbled(tumble, &MagnetometerModel::ideal()) {
+    for (sample, truth) in tumbled(&tumble, &MagnetometerModel::ideal()) {
         let state = tumble.at(sample.time.seconds());
         let expected = world().field_ut(&state.position_m, sample.time.seconds());
         assert_eq!((truth.time, truth.field_ut), (sample.time, expected));
@@ -115,7 +115,7 @@ fn an_ideal_sample_is_the_field_of_the_world_in_the_axes_of_the_sensor() {
 fn a_late_sensor_shows_what_was() {
     let (tumble, late_s) = (Tumble::waist(10.0), 0.037);
     let model = MagnetometerModel { latency_s: late_s, ..MagnetometerModel::ideal() };
-    for (sample, truth) in tumbled(tumble, &model) {
+    for (sample, truth) in tumbled(&tumble, &model) {
         assert!((sample.time.seconds() - truth.time.seconds() - late_s).abs() < 1e-9);
         let state = tumble.at(truth.time.seconds());
         let then = state.attitude.inverse_transform_vector(&world().field_ut(&state.position_m, 0.0));
@@ -129,7 +129,7 @@ fn an_integrating_sensor_shows_the_mean() {
     let tumble = Tumble::over_the_sphere(10.0);
     let model = MagnetometerModel { rate_hz: 10.0, integration_s: 0.04, ..MagnetometerModel::ideal() };
     let slices = 400_i32;
-    for (sample, _) in tumbled(tumble, &model) {
+    for (sample, _) in tumbled(&tumble, &model) {
         let sum: Vector3<f64> = (0..slices)
             .map(|i| {
                 let before_s = (f64::from(i) + 0.5) / f64::from(slices) * 0.04;

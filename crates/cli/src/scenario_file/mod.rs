@@ -181,17 +181,13 @@ impl Scenario {
             return Err(self.too_short(duration_s));
         }
         let imu = Generator::new(motion, self.imu()?, rate_hz, &errors, seed).map_err(refused)?;
-        Ok(match magnetometer {
-            Some((world, model)) => {
-                let marg = imu.with_magnetometer(world, &model, seed).map_err(refused)?;
-                let magnetometer = Some(marg.magnetometer().clone());
-                Run { duration_s, magnetometer, emissions: Box::new(marg) }
-            }
-            None => {
-                let emissions = imu.map(|(sample, truth)| Emission::Imu(sample, truth));
-                Run { duration_s, magnetometer: None, emissions: Box::new(emissions) }
-            }
-        })
+        let Some((world, model)) = magnetometer else {
+            let emissions = imu.map(|(sample, truth)| Emission::Imu(sample, truth));
+            return Ok(Run { duration_s, magnetometer: None, emissions: Box::new(emissions) });
+        };
+        let marg = imu.with_magnetometer(world, &model, seed).map_err(refused)?;
+        let magnetometer = Some(marg.magnetometer().clone());
+        Ok(Run { duration_s, magnetometer, emissions: Box::new(marg) })
     }
 
     /// What the file brings itself makes sense, used or not.
