@@ -133,10 +133,10 @@ impl Tumble {
     /// Times, angles and rates are those of a tag in a hand.
     pub fn check(&self) -> Result<(), SimulationError> {
         check_within("rest_s", self.rest_s, 0.0, 1e6, "0 to 1e6 s")?;
-        check_within("moving_s", self.moving_s, 0.0, 1e6, "0 to 1e6 s")?;
+        check_within("moving_s", self.moving_s, 0.1, 1e6, "0.1 to 1e6 s")?;
         check_within("ramp_s", self.ramp_s, 1e-3, 0.5 * self.moving_s, "0.001 s to half of moving_s")?;
         for (name, angle) in [("yaw", &self.yaw), ("pitch", &self.pitch), ("roll", &self.roll)] {
-            angle.check(name, 100.0, "-100 to 100 rad and rad/s")?;
+            angle.check(name, 100.0, "-100 to 100 rad and rad/s (5730 degrees)")?;
         }
         self.position.iter().try_for_each(|axis| axis.check("position", 1e4, "-10000 to 10000 m and m/s"))
     }

@@ -147,6 +147,9 @@ impl Steel {
     /// What is missing or said twice.
     fn contradiction(&self, walking: bool) -> Option<&'static str> {
         let moving = !self.course.is_empty() || self.start_s.is_some();
+        if self.course.is_empty() && self.start_s.is_some() {
+            return Some("start_s is the start of a course: add course, or remove start_s");
+        }
         match (&self.at_m, &self.beside) {
             (None, None) => {
                 return Some(

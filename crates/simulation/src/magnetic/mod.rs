@@ -75,9 +75,9 @@ impl MagneticWorld {
 
 /// The largest field of one body along a motion, µT, looked for every 5 ms from its start to its end.
 fn largest_along(body: &SteelBody, earth: &EarthField, motion: &impl Motion) -> f64 {
-    (0_u64..)
-        .map(|i| i as f64 * PEAK_STEP_S)
-        .take_while(|time_s| *time_s <= motion.duration_s())
+    let end_s = motion.duration_s();
+    let later = |time_s: &f64| Some(time_s + PEAK_STEP_S).filter(|next_s| *next_s <= end_s);
+    core::iter::successors(Some(0.0), later)
         .map(|time_s| body.field_ut(earth, &motion.at(time_s).position_m, time_s).norm())
         .fold(0.0, f64::max)
 }
