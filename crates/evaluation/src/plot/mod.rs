@@ -9,12 +9,14 @@
 mod axes;
 mod canvas;
 mod curves;
+mod magnetometer;
 mod path;
 mod thin;
 
 use crate::statistics::Distribution;
 use crate::{Evaluation, EvaluationError};
 use adit_core::trajectory::Trajectory;
+pub use magnetometer::{MagneticCloud, magnetometer_figure};
 pub use thin::MAX_POINTS;
 
 /// What a curve stands for; it decides colour and weight.

@@ -6,6 +6,9 @@
 //! - [`gyro`]: a field that stands still in the room turns in the sensor as the gyro says. Needs a turning sensor, and no rest.
 //! - [`gravity`]: the angle between field and gravity is the same in every attitude. Needs slow motion.
 //!
+//! The gyro is preferred, unless it contradicts the accelerometer: the same fit with gravity in the place of the field tells whether the two are
+//! logged in one right-handed frame. Where they are not, gravity decides, since it is what headings are levelled by.
+//!
 //! Neither tells `R` from `−R`. Axes that are a right-handed frame in the log decide it; a log in which an axis
 //! of the magnetometer has the wrong sign shows as a field that dips the wrong way.
 
@@ -19,6 +22,8 @@ use serde::Serialize;
 
 /// Largest uncertainty of a rotation that is used, deg.
 const LARGEST_SD_DEG: f64 = 1.0;
+/// Largest angle between gyro and accelerometer that are one sensor: gravity in motion is no better a reference, deg.
+const ONE_FRAME_DEG: f64 = 20.0;
 /// Specific force is averaged over this time for the dip, s.
 const AVERAGED_S: f64 = 0.2;
 /// Length of the mean specific force off its median at which the sensor was not accelerated, as a share.
@@ -43,7 +48,7 @@ pub enum AlignmentSource {
 pub struct Alignment {
     /// Where it comes from.
     pub source: AlignmentSource,
-    /// Why the axes are assumed; empty otherwise.
+    /// Why nothing better was had; empty where the gyro tells.
     pub reason: String,
     /// Turns the calibrated field into the axes of the inertial sensor; a mirror image where the user said so.
     #[serde(skip)]
@@ -106,22 +111,37 @@ impl Alignment {
 
     fn rotation_of(sensed: &Sensed<'_>) -> Self {
         let mut reasons = Vec::new();
-        match sensed.gyro.map(|(times, rates)| gyro::align(sensed.field_s, sensed.field, times, rates)) {
-            Some(Ok(found)) => match uncertain("the gyro", &found.fit) {
+        let up = up(sensed, 0.0);
+        let by_gyro = |field: &[Option<Vector3<f64>>]| {
+            let (times, rates) = sensed.gyro?;
+            Some(gyro::align(sensed.field_s, field, times, rates).and_then(|found| {
+                uncertain("the gyro", &found.fit).map_or(Ok(found), Err)
+            }))
+        };
+        let inertial_angle_deg = match up.as_ref().and_then(|up| by_gyro(up)) {
+            Some(Ok(found)) => Some(angle_deg(&found.fit.rotation)),
+            _ => None,
+        };
+        match by_gyro(sensed.field) {
+            Some(Ok(found)) => match inertial_angle_deg.filter(|angle| *angle > ONE_FRAME_DEG) {
                 None => {
                     let mut alignment = Self::of(AlignmentSource::Gyro, &found.fit);
                     (alignment.gyro_bias_rad_s, alignment.lag_s) = (found.bias_rad_s.into(), found.lag_s);
                     return alignment;
                 }
-                Some(reason) => reasons.push(reason),
+                Some(angle) => reasons.push(format!(
+                    "gyro and accelerometer are turned by {angle:.0}° against each other: they are not logged in one right-handed frame"
+                )),
             },
             Some(Err(reason)) => reasons.push(reason),
             None => reasons.push("no gyro in the log".to_owned()),
         }
-        let up = up(sensed, 0.0);
         match up.as_ref().map(|up| gravity::align(sensed.field, up)) {
             Some(Ok(fit)) => match uncertain("gravity", &fit) {
-                None => return Self::of(AlignmentSource::Gravity, &fit),
+                None => {
+                    let reason = reasons.join("; ");
+                    return Self { reason, ..Self::of(AlignmentSource::Gravity, &fit) };
+                }
                 Some(reason) => reasons.push(reason),
             },
             Some(Err(reason)) => reasons.push(reason),
@@ -131,16 +151,19 @@ impl Alignment {
     }
 
     fn of(source: AlignmentSource, fit: &rotation::RotationFit) -> Self {
-        let cos = (0.5 * (fit.rotation.trace() - 1.0)).clamp(-1.0, 1.0);
         Self {
             source,
             rotation: fit.rotation,
-            angle_deg: cos.acos().to_degrees(),
+            angle_deg: angle_deg(&fit.rotation),
             sd_deg: fit.sd_rad.map(f64::to_degrees).into(),
             residual_deg: fit.residual_rad.to_degrees(),
             ..Self::assumed(String::new())
         }
     }
+}
+
+fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
+    (0.5 * (rotation.trace() - 1.0)).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
