@@ -84,9 +84,11 @@ pub fn field(site: &Site, day: &Day) -> Result<SiteField, TuningError> {
     let date = Month::try_from(day.month)
         .and_then(|month| Date::from_calendar_date(day.year, month, day.day))
         .map_err(|error| fail(error.to_string()))?;
+    // The model wants −180° to 180°.
+    let longitude_deg = (site.longitude_deg + 180.0).rem_euclid(360.0) - 180.0;
     #[expect(clippy::cast_possible_truncation, reason = "the model calculates in single precision")]
     let [latitude, longitude, height] =
-        [site.latitude_deg, site.longitude_deg, site.height_m.max(LOWEST_M)].map(|value| value as f32);
+        [site.latitude_deg, longitude_deg, site.height_m.max(LOWEST_M)].map(|value| value as f32);
     let field = GeomagneticField::new(
         Length::new::<meter>(height),
         Angle::new::<degree>(latitude),

@@ -6,6 +6,7 @@
 //!
 //! Text stays text (`<text>`, sans-serif of the viewer), so its width is guessed with room to spare.
 
+mod allan;
 mod axes;
 mod canvas;
 mod curves;
@@ -16,6 +17,7 @@ mod thin;
 use crate::statistics::Distribution;
 use crate::{Evaluation, EvaluationError};
 use adit_core::trajectory::Trajectory;
+pub use allan::{AllanAxis, AllanPanel, AllanParts, allan_figure};
 pub use magnetometer::{MagneticCloud, magnetometer_figure};
 pub use thin::MAX_POINTS;
 

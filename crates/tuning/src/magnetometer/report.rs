@@ -208,7 +208,8 @@ impl MagnetometerFit {
             alignment.sd_deg.iter().copied().fold(0.0, f64::max)
         )?;
         if alignment.source == AlignmentSource::Gyro {
-            writeln!(f, "lag         {:.1} ms behind the gyro", 1000.0 * alignment.lag_s)?;
+            let (lag_ms, sd_ms) = (1000.0 * alignment.lag_s, 1000.0 * alignment.lag_sd_s);
+            writeln!(f, "lag         {lag_ms:.1} ± {sd_ms:.1} ms behind the gyro")?;
         }
         if let (Some(dip), Some(spread)) = (alignment.dip_deg, alignment.dip_spread_deg) {
             writeln!(f, "dip         {dip:.1}° below the horizontal, spread {spread:.1}°")?;

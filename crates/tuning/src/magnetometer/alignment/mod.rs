@@ -24,8 +24,10 @@ use serde::Serialize;
 const LARGEST_SD_DEG: f64 = 1.0;
 /// Largest angle between gyro and accelerometer that are one sensor: gravity in motion is no better a reference, deg.
 const ONE_FRAME_DEG: f64 = 20.0;
-/// Specific force is averaged over this time for the dip, s.
-const AVERAGED_S: f64 = 0.2;
+/// Specific force is averaged over this time, s: at 2 rad/s that bends the direction by 0.1° at most.
+const AVERAGED_S: f64 = 0.1;
+/// Both ends of that time hold a sample that stands on them, whatever the last bit of its stamp.
+const STAMP_SLACK_S: f64 = 1e-6;
 /// Length of the mean specific force off its median at which the sensor was not accelerated, as a share.
 const CALM: f64 = 0.05;
 /// Samples needed for a dip.
@@ -61,8 +63,12 @@ pub struct Alignment {
     pub residual_deg: f64,
     /// Gyro bias found on the way, rad/s; zero where the gyro was not used.
     pub gyro_bias_rad_s: [f64; 3],
+    /// Its σ, rad/s.
+    pub gyro_bias_sd_rad_s: [f64; 3],
     /// How much later the magnetometer's stamps come than the gyro's, s; zero where the gyro was not used.
     pub lag_s: f64,
+    /// Its σ, s.
+    pub lag_sd_s: f64,
     /// Field below the horizontal, deg, where an accelerometer tells.
     pub dip_deg: Option<f64>,
     /// Its spread, robust σ, deg.
@@ -91,7 +97,9 @@ impl Alignment {
             sd_deg: [0.0; 3],
             residual_deg: 0.0,
             gyro_bias_rad_s: [0.0; 3],
+            gyro_bias_sd_rad_s: [0.0; 3],
             lag_s: 0.0,
+            lag_sd_s: 0.0,
             dip_deg: None,
             dip_spread_deg: None,
         }
@@ -126,7 +134,9 @@ impl Alignment {
             Some(Ok(found)) => match inertial_angle_deg.filter(|angle| *angle > ONE_FRAME_DEG) {
                 None => {
                     let mut alignment = Self::of(AlignmentSource::Gyro, &found.fit);
-                    (alignment.gyro_bias_rad_s, alignment.lag_s) = (found.bias_rad_s.into(), found.lag_s);
+                    alignment.gyro_bias_rad_s = found.bias_rad_s.into();
+                    alignment.gyro_bias_sd_rad_s = found.bias_sd_rad_s.into();
+                    (alignment.lag_s, alignment.lag_sd_s) = (found.lag_s, found.lag_sd_s);
                     return alignment;
                 }
                 Some(angle) => reasons.push(format!(
@@ -175,16 +185,17 @@ fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
 /// Direction of up in the inertial sensor at the times of the field, where the sensor was calm.
 fn up(sensed: &Sensed<'_>, lag_s: f64) -> Option<Vec<Option<Vector3<f64>>>> {
     let (times, forces) = sensed.accelerometer?;
+    let half = 0.5 * AVERAGED_S + STAMP_SLACK_S;
     let (mut from, mut to) = (0, 0);
     let mut sum = Vector3::zeros();
     let mut means: Vec<Option<Vector3<f64>>> = Vec::with_capacity(sensed.field_s.len());
     for time in sensed.field_s {
         let middle = time - lag_s;
-        while to < times.len() && times[to] <= middle + 0.5 * AVERAGED_S {
+        while to < times.len() && times[to] <= middle + half {
             sum += forces[to];
             to += 1;
         }
-        while from < to && times[from] < middle - 0.5 * AVERAGED_S {
+        while from < to && times[from] < middle - half {
             sum -= forces[from];
             from += 1;
         }
