@@ -1,4 +1,4 @@
-//! Allan deviations on logarithmic axes: measured, fitted, and the straight lines of the parts.
+//! Allan deviations on logarithmic axes: measured with a bar of ± σ, fitted, and the straight lines of the parts.
 
 use super::axes::{Axis, Entry, Frame, Swatch};
 use super::canvas::{self, Area, FAINT_INK, color, fill, stroke, units};
@@ -9,7 +9,7 @@ use std::f64::consts::{LN_2, PI};
 
 /// Points of a drawn fit.
 const FIT_POINTS: u32 = 120;
-/// Dashes of a drawn part, and their share that is ink.
+/// Dashes of a drawn part.
 const DASHES: u32 = 40;
 
 /// Parts of the Allan variance: `3Q²/τ² + N²/τ + (2 ln 2/π) B² + K²τ/3`, in units of the readings and seconds.
@@ -45,8 +45,8 @@ impl AllanParts {
 pub struct AllanAxis {
     /// Name in the legend.
     pub name: &'static str,
-    /// Averaging time, s, and deviation; all above 0, times rising.
-    pub curve: Vec<(f64, f64)>,
+    /// Averaging time, s, deviation, its σ; times and deviations above 0, times rising.
+    pub curve: Vec<(f64, f64, f64)>,
     /// What was fitted.
     pub parts: AllanParts,
 }
@@ -84,7 +84,7 @@ fn draw(area: &Area<'_>, panel: &AllanPanel) -> Result<(), EvaluationError> {
     legend.push(line("parts of the worst axis", FAINT_INK, 0.8));
     let frame = Frame::new(area, panel.heading, &legend)?;
 
-    let points = || panel.axes.iter().flat_map(|axis| &axis.curve).map(|(t, d)| (t.log10(), d.log10()));
+    let points = || panel.axes.iter().flat_map(|axis| &axis.curve).map(|(t, d, _)| (t.log10(), d.log10()));
     let span = |of: fn((f64, f64)) -> f64| {
         points().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     };
@@ -112,8 +112,14 @@ fn draw(area: &Area<'_>, panel: &AllanPanel) -> Result<(), EvaluationError> {
             (x, axis.parts.deviation(10_f64.powf(x)).log10().clamp(y_range.start, y_range.end))
         });
         chart.draw_series([PathElement::new(fitted.collect::<Vec<_>>(), stroke(color(Role::Truth), 1.5))])?;
-        let dots = axis.curve.iter().map(|(tau, deviation)| {
-            Circle::new((tau.log10(), deviation.log10()), units(2), fill(color(Role::Estimate(number))))
+        let color = color(Role::Estimate(number));
+        let bars = axis.curve.iter().map(|(tau, deviation, sd)| {
+            let end = |value: f64| (tau.log10(), value.log10().clamp(y_range.start, y_range.end));
+            PathElement::new(vec![end((deviation - sd).max(0.0)), end(deviation + sd)], stroke(color, 0.8))
+        });
+        chart.draw_series(bars)?;
+        let dots = axis.curve.iter().map(|(tau, deviation, _)| {
+            Circle::new((tau.log10(), deviation.log10()), units(2), fill(color))
         });
         chart.draw_series(dots)?;
     }

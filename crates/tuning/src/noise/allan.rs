@@ -20,6 +20,8 @@ pub struct AllanPoint {
     pub tau_s: f64,
     /// Allan deviation, unit of the readings.
     pub deviation: f64,
+    /// σ of the deviation by its degrees of freedom; 0 before a model tells the kind of noise.
+    pub sd: f64,
     /// Readings averaged: τ in samples.
     #[serde(skip)]
     pub samples: usize,
@@ -58,7 +60,7 @@ pub fn overlapping(readings: &[f64], interval_s: f64) -> Vec<AllanPoint> {
                 .sum();
             let m = samples as f64;
             let deviation = (square / (2.0 * m * m * differences as f64)).sqrt();
-            AllanPoint { tau_s: m * interval_s, deviation, samples }
+            AllanPoint { tau_s: m * interval_s, deviation, sd: 0.0, samples }
         })
         .collect()
 }

@@ -107,8 +107,11 @@ fn sensor(sensor: &'static str, series: &Series, rest: &Rest) -> Result<SensorNo
     let axis = |number: usize| {
         let name = AXES[number];
         let values: Vec<f64> = readings.iter().map(|r| r[number]).collect();
-        let curve = overlapping(&values, interval_s);
+        let mut curve = overlapping(&values, interval_s);
         let fit = model::fit(&curve, values.len()).ok_or(TuningError::Frozen { sensor, axis: name })?;
+        for point in &mut curve {
+            point.sd = fit.model.scatter(point, values.len());
+        }
         Ok(AxisNoise { axis: name, fit, curve })
     };
     let axes = [axis(0)?, axis(1)?, axis(2)?];
@@ -181,7 +184,7 @@ fn sensor_table(
             (model.walk, sd.walk),
         ] {
             let shown = if value > 0.0 {
-                format!("{value:.2e} ± {:.0} %", (100.0 * sd / value).min(999.0))
+                format!("{value:.2e} ± {:.1} %", (100.0 * sd / value).min(999.0))
             } else {
                 "not seen".to_owned()
             };

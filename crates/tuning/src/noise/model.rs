@@ -2,7 +2,7 @@
 //!
 //! `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π) B² + K²τ/3` (IEEE Std 952-1997, annex C.1). The squares are found by weighted least
 //! squares on the variance, none below zero; weights are those of the χ² scatter of each point, `edf/(2σ⁴)`, with σ from the fit.
-//! Points an octave apart are nearly independent, those between are not: covariances are enlarged accordingly.
+//! Points two octaves apart are nearly independent, those between are not: covariances are enlarged accordingly.
 
 use super::allan::{AllanPoint, NoiseKind, PER_OCTAVE, degrees_of_freedom};
 use adit_core::nalgebra::{Cholesky, Matrix4, Vector4};
@@ -40,6 +40,12 @@ impl NoiseModel {
     /// Allan deviation of the sum.
     pub fn deviation(&self, tau_s: f64) -> f64 {
         self.parts(tau_s).iter().sum::<f64>().sqrt()
+    }
+
+    /// σ of a measured deviation about this model, U: `σ/√(2 edf)`.
+    pub(super) fn scatter(&self, point: &AllanPoint, readings: usize) -> f64 {
+        let degrees = degrees_of_freedom(self.ruling(point.tau_s), readings, point.samples);
+        self.deviation(point.tau_s) / (2.0 * degrees).sqrt()
     }
 
     /// The part that rules at an averaging time.
@@ -89,8 +95,8 @@ pub fn fit(curve: &[AllanPoint], readings: usize) -> Option<NoiseFit> {
         best = non_negative(curve, &scatter)?;
     }
     let model = NoiseModel::from_squares(&best.squares);
-    // A point has 4 neighbours in its octave that say nearly the same.
-    let enlarge = PER_OCTAVE.sqrt();
+    // A point has eight neighbours within two octaves that say nearly the same.
+    let enlarge = (2.0 * PER_OCTAVE).sqrt();
     let of = |value: f64, i: usize| if value > 0.0 { enlarge * best.sd[i] / (2.0 * value) } else { 0.0 };
     let sd = NoiseModel {
         quantisation: of(model.quantisation, 0),

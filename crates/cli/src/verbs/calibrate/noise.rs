@@ -50,7 +50,7 @@ fn figure(args: &CalibrateNoiseArgs, noise: &InertialNoise) -> Result<String> {
             let NoiseModel { quantisation, white, instability, walk } = axis.fit.model;
             AllanAxis {
                 name: axis.axis,
-                curve: axis.curve.iter().map(|p| (p.tau_s, p.deviation)).collect(),
+                curve: axis.curve.iter().map(|p| (p.tau_s, p.deviation, p.sd)).collect(),
                 parts: AllanParts { quantisation, white, instability, walk },
             }
         });
