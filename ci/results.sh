@@ -4,7 +4,8 @@
 #   the block from `<!-- loops:begin -->` to `<!-- loops:end -->`: the walks without;
 #   the block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   the block from `<!-- walks:begin -->` to `<!-- walks:end -->`: the simulated walk of system S2 over many seeds;
-#   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg.
+#   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
+#   docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -13,7 +14,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure --example simulated_calibration
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -27,6 +28,8 @@ cp "$fresh/trials.md" docs/results/trials.md
 
 mkdir "$fresh/here"
 ln -s "$PWD/scenarios" "$fresh/here/scenarios"
+ln -s "$ADIT_DATA" "$fresh/here/data"
+"$bin/examples/simulated_calibration" "$fresh/here"
 
 # What a command prints, without the lines that no two runs have in common.
 run() {
@@ -72,5 +75,7 @@ for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|run):begin'
     cp "$fresh/page" "$page"
     echo "results: wrote $page"
 done
+cp "$fresh/here/tumble.svg" docs/results/magnetometer.svg
+cp "$fresh/here/allan.svg" docs/results/allan.svg
 cat "$fresh/sets.md" "$fresh/loops.md"
 exit $complete

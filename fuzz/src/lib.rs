@@ -3,8 +3,8 @@
 //! The fuzz targets call them, and so does `crates/observation/tests/mutated_input.rs`, which needs nothing but
 //! stable Rust and runs with every `make test`.
 
-use adit_observation::files::Input;
 use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_observation::files::Input;
 use adit_observation::sidecar::{MagneticFieldReference, MagnetometerCalibration, Sidecar, SidecarEdit};
 use adit_observation::solution_csv::SolutionReader;
 use adit_observation::tum::TumReader;

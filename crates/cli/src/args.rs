@@ -76,7 +76,9 @@ impl Adit {
     pub fn from_command_line() -> Result<Self, UsageError> {
         let args = Self::try_parse()?;
         let twice = match &args.verb {
-            Verb::Track(TrackArgs { out, json, .. }) => out == &Target::Stdout && json.as_ref() == Some(&Target::Stdout),
+            Verb::Track(TrackArgs { out, json, .. }) => {
+                out == &Target::Stdout && json.as_ref() == Some(&Target::Stdout)
+            }
             Verb::Calibrate(CalibrateArgs { what }) => what.takes_stdout_twice(),
             _ => false,
         };

@@ -5,8 +5,8 @@ mod common;
 
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
-use adit_observation::sidecar::Sidecar;
 use adit_core::time::{Interval, Time};
+use adit_observation::sidecar::Sidecar;
 use adit_simulation::{ImuErrorModel, ImuErrors, Inertial, TriadErrors};
 use common::{Outcome, adit, files};
 use std::fmt::Write as _;
@@ -36,7 +36,8 @@ fn tumble(tilt: f64) -> String {
         let (time, field) = field(sample, tilt);
         let noise = |k: f64| ((f64::from(sample) * k).fract() - 0.5) * 0.35;
         let reading = distortion * field + Vector3::from(OFFSET);
-        let [x, y, z] = [reading.x + noise(0.618_034), reading.y + noise(0.754_878), reading.z + noise(0.569_840)];
+        let [x, y, z] =
+            [reading.x + noise(0.618_034), reading.y + noise(0.754_878), reading.z + noise(0.569_840)];
         writeln!(text, "{time:.2},{x:.3},{y:.3},{z:.3}").unwrap();
     }
     text
@@ -51,18 +52,28 @@ fn folder_with(name: &str, text: &str) -> tempfile::TempDir {
 #[test]
 fn a_tumble_becomes_a_sidecar_a_table_and_a_figure() {
     let folder = folder_with("tumble.csv", &tumble(1.0));
-    let args = ["calibrate", "mag", "tumble.csv", "-o", "tag.toml", "--plot", "tag.svg", "--field-norm", "48"];
+    let args =
+        ["calibrate", "mag", "tumble.csv", "-o", "tag.toml", "--plot", "tag.svg", "--field-norm", "48"];
     let Outcome { code, stdout, stderr } = adit(folder.path(), &args);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stdout.contains("3000 over 60.0 s, 0 of them outliers") && stdout.contains("strength    48.00 µT, given"), "{stdout}");
-    assert!(stderr.contains("axes of magnetometer and inertial sensor are assumed to be parallel"), "{stderr}");
+    assert!(
+        stdout.contains("3000 over 60.0 s, 0 of them outliers")
+            && stdout.contains("strength    48.00 µT, given"),
+        "{stdout}"
+    );
+    assert!(
+        stderr.contains("axes of magnetometer and inertial sensor are assumed to be parallel"),
+        "{stderr}"
+    );
     let sidecar = Sidecar::read(&folder.path().join("tag.toml")).unwrap();
     let calibration = sidecar.magnetometer.unwrap();
     // 0.1 µT of noise over 3000 samples.
     assert!((calibration.offset_ut() - Vector3::from(OFFSET)).amax() < 0.02, "{calibration:?}");
     assert_eq!(sidecar.magnetic_field.norm_ut, Some(48.0));
     let figure = fs::read_to_string(folder.path().join("tag.svg")).unwrap();
-    assert!(figure.starts_with("<svg") && figure.contains("x–y plane") && figure.contains("Length of the field"));
+    assert!(
+        figure.starts_with("<svg") && figure.contains("x–y plane") && figure.contains("Length of the field")
+    );
     assert_eq!(files(folder.path()).len(), 3);
 
     // The calibration holds for whoever reads the log with it.
@@ -123,7 +134,18 @@ fn a_site_gives_declination_dip_and_strength() {
 #[test]
 fn json_is_one_object_on_stdout() {
     let folder = folder_with("tumble.csv", &tumble(1.0));
-    let args = ["calibrate", "mag", "tumble.csv", "-o", "tag.toml", "--site", "50.92,13.34,400", "--date", "2026-11-22", "--json"];
+    let args = [
+        "calibrate",
+        "mag",
+        "tumble.csv",
+        "-o",
+        "tag.toml",
+        "--site",
+        "50.92,13.34,400",
+        "--date",
+        "2026-11-22",
+        "--json",
+    ];
     let Outcome { code, stdout, .. } = adit(folder.path(), &args);
     assert_eq!(code, 0);
     let report: serde_json::Value = serde_json::from_str(&stdout).unwrap();
@@ -137,15 +159,20 @@ fn json_is_one_object_on_stdout() {
     assert!(report["declination_deg"].as_f64().unwrap() > 3.0, "{report}");
 
     // The sidecar on stdout, the table on stderr.
-    let Outcome { code, stdout, stderr } = adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "-"]);
+    let Outcome { code, stdout, stderr } =
+        adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "-"]);
     assert_eq!(code, 0);
-    assert!(stdout.starts_with("[magnetometer]\noffset_ut = [") && stderr.contains("coverage"), "{stdout}\n{stderr}");
+    assert!(
+        stdout.starts_with("[magnetometer]\noffset_ut = [") && stderr.contains("coverage"),
+        "{stdout}\n{stderr}"
+    );
 }
 
 #[test]
 fn a_turntable_is_refused_and_nothing_is_written() {
     let folder = folder_with("tumble.csv", &tumble(0.0));
-    let Outcome { code, stdout, stderr } = adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "tag.toml", "--plot", "tag.svg"]);
+    let Outcome { code, stdout, stderr } =
+        adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "tag.toml", "--plot", "tag.svg"]);
     assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
     assert!(stderr.contains("adit: tumble.csv: the readings of the magnetometer lie within"), "{stderr}");
     assert!(stderr.contains("turned about one axis only"), "{stderr}");
@@ -160,9 +187,13 @@ fn half_a_tumble_is_refused_with_what_is_missing() {
         line.rsplit(',').next().and_then(|z| z.parse::<f64>().ok()).is_none_or(|z| z < OFFSET[2])
     });
     let folder = folder_with("tumble.csv", &(kept.collect::<Vec<_>>().join("\n") + "\n"));
-    let Outcome { code, stderr, .. } = adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "tag.toml"]);
+    let Outcome { code, stderr, .. } =
+        adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "tag.toml"]);
     assert_eq!(code, 1);
-    assert!(stderr.contains("directions of the field") && stderr.contains("Missing is the field along +z"), "{stderr}");
+    assert!(
+        stderr.contains("directions of the field") && stderr.contains("Missing is the field along +z"),
+        "{stderr}"
+    );
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
@@ -188,9 +219,11 @@ fn broken_files_are_told_with_their_line() {
     // The sidecar to be completed is no sidecar, or cannot be made.
     let folder = folder_with("tumble.csv", &good);
     fs::write(folder.path().join("notes.toml"), "title = 1\n").unwrap();
-    let Outcome { code, stderr, .. } = adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "notes.toml"]);
+    let Outcome { code, stderr, .. } =
+        adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "notes.toml"]);
     assert!(code == 1 && stderr.contains("notes.toml:1: unknown field `title`"), "{stderr}");
-    let Outcome { code, stderr, .. } = adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "no/such/tag.toml"]);
+    let Outcome { code, stderr, .. } =
+        adit(folder.path(), &["calibrate", "mag", "tumble.csv", "-o", "no/such/tag.toml"]);
     assert!(code == 1 && stderr.contains("no/such/tag.toml: cannot create it"), "{stderr}");
     // One recording twice.
     let Outcome { code, stderr, .. } =
@@ -240,11 +273,13 @@ fn resting_log(seconds: u32, model: &ImuErrorModel) -> String {
     let mut errors = ImuErrors::new(model, 3).unwrap();
     let mut text = format!("{}\n", common::HEADER);
     for i in 0..i64::from(seconds) * 100 {
-        let ideal = Inertial { angular_rate_rad_s: Vector3::zeros(), specific_force_m_s2: Vector3::z() * common::G };
+        let ideal =
+            Inertial { angular_rate_rad_s: Vector3::zeros(), specific_force_m_s2: Vector3::z() * common::G };
         let sample = errors.apply(&ideal, Time::from_nanos(i * 10_000_000), Interval::from_nanos(10_000_000));
         let (f, w) = (sample.specific_force_m_s2, sample.angular_rate_rad_s);
         let time = sample.time.seconds();
-        writeln!(text, "{time:.6},{:.7},{:.7},{:.7},{:.9},{:.9},{:.9}", f.x, f.y, f.z, w.x, w.y, w.z).unwrap();
+        writeln!(text, "{time:.6},{:.7},{:.7},{:.7},{:.9},{:.9},{:.9}", f.x, f.y, f.z, w.x, w.y, w.z)
+            .unwrap();
     }
     text
 }
@@ -252,8 +287,18 @@ fn resting_log(seconds: u32, model: &ImuErrorModel) -> String {
 #[test]
 fn a_rest_becomes_the_densities_that_made_it() {
     let model = ImuErrorModel {
-        gyro: TriadErrors { random_walk: 8.7e-5, bias_random_walk: 4e-6, turn_on_bias: 0.01, ..TriadErrors::default() },
-        accelerometer: TriadErrors { random_walk: 9.8e-4, bias_random_walk: 6e-5, turn_on_bias: 0.1, ..TriadErrors::default() },
+        gyro: TriadErrors {
+            random_walk: 8.7e-5,
+            bias_random_walk: 4e-6,
+            turn_on_bias: 0.01,
+            ..TriadErrors::default()
+        },
+        accelerometer: TriadErrors {
+            random_walk: 9.8e-4,
+            bias_random_walk: 6e-5,
+            turn_on_bias: 0.1,
+            ..TriadErrors::default()
+        },
         ..ImuErrorModel::default()
     };
     let folder = folder_with("rest.csv", &resting_log(1800, &model));
@@ -276,12 +321,14 @@ fn a_rest_becomes_the_densities_that_made_it() {
 fn what_is_no_rest_is_refused() {
     let model = ImuErrorModel::default();
     let folder = folder_with("rest.csv", &resting_log(60, &model));
-    let Outcome { code, stderr, .. } = adit(folder.path(), &["calibrate", "noise", "rest.csv", "-o", "tag.toml"]);
+    let Outcome { code, stderr, .. } =
+        adit(folder.path(), &["calibrate", "noise", "rest.csv", "-o", "tag.toml"]);
     assert_eq!(code, 1);
     assert!(stderr.contains("rest.csv: the longest rest lasts"), "{stderr}");
     assert!(stderr.contains("expected 300 s or more; an hour is better"), "{stderr}");
     assert!(!folder.path().join("tag.toml").exists());
     let folder = folder_with("mag.csv", &tumble(1.0));
-    let Outcome { code, stderr, .. } = adit(folder.path(), &["calibrate", "noise", "mag.csv", "-o", "tag.toml"]);
+    let Outcome { code, stderr, .. } =
+        adit(folder.path(), &["calibrate", "noise", "mag.csv", "-o", "tag.toml"]);
     assert!(code == 1 && stderr.contains("0 readings of the gyro"), "{stderr}");
 }

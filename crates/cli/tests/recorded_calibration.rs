@@ -29,7 +29,10 @@ fn calibrate(logs: &[&Path]) -> Result<serde_json::Value, String> {
 
 #[test]
 fn the_field_of_a_recorded_tumble_is_steady() {
-    let (Some(mag), Some(acc)) = (recorded("full_sphere_mag.csv.gz"), recorded("full_sphere_acc.csv.gz")) else { return };
+    let (Some(mag), Some(acc)) = (recorded("full_sphere_mag.csv.gz"), recorded("full_sphere_acc.csv.gz"))
+    else {
+        return;
+    };
     let calibration = &calibrate(&[&mag, &acc]).unwrap()["calibration"];
     let percent = |which: &str| calibration[which]["sd_percent"].as_f64().unwrap();
     assert!(percent("before") > 13.0, "{calibration}");
@@ -72,9 +75,13 @@ fn parts_of_a_recorded_tumble_are_refused() {
     // Half spaces, about the centre of the readings to some µT.
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
-            let error = part(&log, |_, field| sign * (field[axis] - [0.0, -10.0, 2.0][axis]) > 5.0).unwrap_err();
+            let error =
+                part(&log, |_, field| sign * (field[axis] - [0.0, -10.0, 2.0][axis]) > 5.0).unwrap_err();
             let missing = format!("{}{}", if sign > 0.0 { '-' } else { '+' }, ["x", "y", "z"][axis]);
-            assert!(error.contains("directions of the field") && error.contains(&missing), "{missing}: {error}");
+            assert!(
+                error.contains("directions of the field") && error.contains(&missing),
+                "{missing}: {error}"
+            );
         }
     }
     // A ring, as from a turntable.

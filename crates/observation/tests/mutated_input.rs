@@ -11,7 +11,9 @@ mod parsers;
 use adit_observation::LogError;
 use adit_observation::mcap_log::Packing;
 use common::{csv_log, gzip, mcap, read_all};
-use parsers::{check, parse_log, parse_sensor_rows, parse_sidecar, parse_solution_csv, parse_truth, parse_tum};
+use parsers::{
+    check, parse_log, parse_sensor_rows, parse_sidecar, parse_solution_csv, parse_truth, parse_tum,
+};
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use std::fmt::Write;

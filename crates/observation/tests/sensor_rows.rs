@@ -29,7 +29,12 @@ fn a_gyro_with_a_slow_magnetometer_is_read() {
 
 #[test]
 fn order_is_checked_and_repetitions_are_dropped() {
-    let text = |times: [&str; 3]| format!("time_s,mag_x_uT,mag_y_uT,mag_z_uT\n{},1,2,3\n{},1,2,3\n{},1,2,3\n", times[0], times[1], times[2]);
+    let text = |times: [&str; 3]| {
+        format!(
+            "time_s,mag_x_uT,mag_y_uT,mag_z_uT\n{},1,2,3\n{},1,2,3\n{},1,2,3\n",
+            times[0], times[1], times[2]
+        )
+    };
     let (read, warnings) = rows(&text(["0", "0", "1"])).unwrap();
     assert_eq!((read.len(), warnings), (2, 1));
     let error = rows(&text(["0", "2", "1"])).unwrap_err().to_string();
@@ -41,7 +46,11 @@ fn no_sidecar_is_applied() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("walk.csv");
     std::fs::write(&log, "time_s,mag_x_uT,mag_y_uT,mag_z_uT\n0,1,2,3\n").unwrap();
-    std::fs::write(folder.path().join("walk.toml"), "[mounting]\nrotation = \"x-forward, y-right, z-down\"\n").unwrap();
+    std::fs::write(
+        folder.path().join("walk.toml"),
+        "[mounting]\nrotation = \"x-forward, y-right, z-down\"\n",
+    )
+    .unwrap();
     let row = SensorRows::open(&log).unwrap().next().unwrap().unwrap();
     assert_eq!(row.field_ut, Some(Vector3::new(1.0, 2.0, 3.0)));
 }
@@ -60,7 +69,10 @@ fn an_mcap_log_gives_a_row_for_each_message() {
 
 #[test]
 fn what_is_broken_is_said_once() {
-    let mut rows = SensorRows::from_input(Input::from_bytes("log.csv", b"time_s,mag_x_uT,mag_y_uT,mag_z_uT\n0,1,x,3\n1,1,2,3\n").unwrap()).unwrap();
+    let mut rows = SensorRows::from_input(
+        Input::from_bytes("log.csv", b"time_s,mag_x_uT,mag_y_uT,mag_z_uT\n0,1,x,3\n1,1,2,3\n").unwrap(),
+    )
+    .unwrap();
     assert!(rows.next().unwrap().unwrap_err().to_string().starts_with("log.csv:2: mag_y_uT: found \"x\""));
     assert!(rows.next().is_none());
 }

@@ -125,7 +125,8 @@ fn two_sidecars_are_an_error() {
     assert!(open(&log).err().unwrap().to_string().contains("this log has two sidecars"));
 }
 
-const CALIBRATION: &str = "[magnetometer]\noffset_ut = [1.0, -2.0, 3.0]\nmatrix = [[2, 0, 0], [0, 1, 0.5], [0, 0, 1]]\n";
+const CALIBRATION: &str =
+    "[magnetometer]\noffset_ut = [1.0, -2.0, 3.0]\nmatrix = [[2, 0, 0], [0, 1, 0.5], [0, 0, 1]]\n";
 
 #[test]
 fn the_magnetometer_is_calibrated_before_it_is_turned() {
@@ -150,9 +151,18 @@ fn a_calibration_that_cannot_be_is_refused() {
             "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[1,0,0],[0,1,0],[1,1,0]]\n",
             "w.toml:1: found a matrix with axes of length ",
         ),
-        ("[magnetometer]\noffset_ut = [0, nan, 0]\nmatrix = [[1,0,0],[0,1,0],[0,0,1]]\n", "w.toml:1: found NaN"),
-        ("[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[inf,0,0],[0,1,0],[0,0,1]]\n", "w.toml:1: found inf"),
-        ("[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[0,0,0],[0,0,0],[0,0,0]]\n", "w.toml:1: found a matrix"),
+        (
+            "[magnetometer]\noffset_ut = [0, nan, 0]\nmatrix = [[1,0,0],[0,1,0],[0,0,1]]\n",
+            "w.toml:1: found NaN",
+        ),
+        (
+            "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[inf,0,0],[0,1,0],[0,0,1]]\n",
+            "w.toml:1: found inf",
+        ),
+        (
+            "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[0,0,0],[0,0,0],[0,0,0]]\n",
+            "w.toml:1: found a matrix",
+        ),
         ("[magnetic_field]\nnorm_ut = -1\n", "w.toml:2: found -1, expected a number above 0"),
         ("[magnetic_field]\ndip_deg = 91\n", "w.toml:2: found 91, expected a dip from -90 to 90"),
         ("[magnetic_field]\ndeclination = 3\n", "w.toml:2: unknown field `declination`"),
@@ -174,7 +184,13 @@ fn an_edit_keeps_what_it_does_not_change() {
     edit.set_declination_deg(4.0);
     edit.set_magnetic_field(&MagneticFieldReference { norm_ut: Some(49.5), dip_deg: None });
     let after = edit.text().unwrap();
-    for kept in ["# tag 7, left boot\n", "rate_hz = 200.0   # nominal\n", "location = \"foot\"\n", "[magnetometer]  # last spring\n", "# hard iron\n"] {
+    for kept in [
+        "# tag 7, left boot\n",
+        "rate_hz = 200.0   # nominal\n",
+        "location = \"foot\"\n",
+        "[magnetometer]  # last spring\n",
+        "# hard iron\n",
+    ] {
         assert!(after.contains(kept), "{after}");
     }
     assert!(after.contains("magnetic_declination_deg = 4.0 # mine office\n"), "{after}");
@@ -217,7 +233,9 @@ fn a_file_that_is_no_sidecar_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("notes.toml");
     std::fs::write(&path, "title = \"my notes\"\n").unwrap();
-    assert!(SidecarEdit::open(&path).unwrap_err().to_string().contains("notes.toml:1: unknown field `title`"));
+    assert!(
+        SidecarEdit::open(&path).unwrap_err().to_string().contains("notes.toml:1: unknown field `title`")
+    );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "title = \"my notes\"\n");
     // Where there is none, one is made, whole.
     let fresh = folder.path().join("tag.toml");

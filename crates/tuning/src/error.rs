@@ -88,7 +88,9 @@ pub enum TuningError {
         unit: &'static str,
     },
     /// An axis whose readings never change has no noise to be measured.
-    #[error("the {axis} axis of the {sensor} reads the same all the time: its steps are too coarse, or it is not connected")]
+    #[error(
+        "the {axis} axis of the {sensor} reads the same all the time: its steps are too coarse, or it is not connected"
+    )]
     Frozen {
         /// Which sensor.
         sensor: &'static str,

@@ -37,8 +37,12 @@ fn the_gyro_tells_the_axes_its_bias_and_its_own_certainty() {
             let off = off_deg(&found.rotation, &rotation);
             chi_square += off.iter().zip(found.sd_deg).map(|(e, sd)| (e / sd).powi(2)).sum::<f64>();
             runs += 3.0;
-            let sigmas: Vector3<f64> = (Vector3::from(found.gyro_bias_rad_s) - bias).component_div(&Vector3::from(found.gyro_bias_sd_rad_s));
-            assert!(sigmas.amax() < 4.0 && found.gyro_bias_sd_rad_s.iter().all(|sd| *sd < 0.005), "{found:?}");
+            let sigmas: Vector3<f64> = (Vector3::from(found.gyro_bias_rad_s) - bias)
+                .component_div(&Vector3::from(found.gyro_bias_sd_rad_s));
+            assert!(
+                sigmas.amax() < 4.0 && found.gyro_bias_sd_rad_s.iter().all(|sd| *sd < 0.005),
+                "{found:?}"
+            );
             assert!((found.dip_deg.unwrap() - bench.dip_deg).abs() < 0.3, "{found:?}");
             assert!(found.lag_s.abs() < 4.0 * found.lag_sd_s && found.lag_sd_s < 0.003, "{found:?}");
         }
@@ -74,7 +78,11 @@ fn a_magnetometer_alone_says_that_its_axes_are_assumed() {
     tumble.specific_force_m_s2 = Series::default();
     let fit = calibrate(&tumble, &KnownField::default()).unwrap();
     assert_eq!(fit.alignment.source, AlignmentSource::Assumed);
-    assert!(fit.warnings.iter().any(|w| w.contains("assumed to be parallel (no gyro in the log; no accelerometer")));
+    assert!(
+        fit.warnings
+            .iter()
+            .any(|w| w.contains("assumed to be parallel (no gyro in the log; no accelerometer"))
+    );
 }
 
 #[test]
@@ -111,14 +119,19 @@ fn stamps_in_bursts_do_not_spoil_the_axes() {
 
 #[test]
 fn a_mirrored_axis_shows_in_the_dip_and_can_be_declared() {
-    let bench = Bench { distortion: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0)), ..Bench::default() };
+    let bench =
+        Bench { distortion: Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0)), ..Bench::default() };
     let tumble = bench.tumble(1);
     let plain = calibrate(&tumble, &KnownField::default()).unwrap();
     assert!((plain.alignment.dip_deg.unwrap() + bench.dip_deg).abs() < 1.0, "{:?}", plain.alignment);
     let known = KnownField { mirrored: true, norm_ut: Some(bench.norm_ut) };
     let declared = calibrate(&tumble, &known).unwrap();
     assert!((declared.alignment.dip_deg.unwrap() - bench.dip_deg).abs() < 0.3, "{:?}", declared.alignment);
-    assert!((declared.calibration.matrix() - bench.matrix()).amax() < 0.01, "{}", declared.calibration.matrix());
+    assert!(
+        (declared.calibration.matrix() - bench.matrix()).amax() < 0.01,
+        "{}",
+        declared.calibration.matrix()
+    );
 }
 
 #[test]
@@ -137,6 +150,10 @@ fn gyro_and_accelerometer_of_two_frames_are_found_out() {
     tumble.field_ut = over(&tumble.field_ut);
     let fit = calibrate(&tumble, &KnownField::default()).unwrap();
     assert_eq!(fit.alignment.source, AlignmentSource::Gravity);
-    assert!(fit.warnings.iter().any(|w| w.contains("not logged in one right-handed frame")), "{:?}", fit.warnings);
+    assert!(
+        fit.warnings.iter().any(|w| w.contains("not logged in one right-handed frame")),
+        "{:?}",
+        fit.warnings
+    );
     assert!(fit.alignment.angle_deg < 1.5, "{:?}", fit.alignment);
 }

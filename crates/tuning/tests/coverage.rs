@@ -1,5 +1,5 @@
 //! Motions that show too little are refused, and the message says what is missing.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod support;
 
@@ -9,7 +9,11 @@ use adit_tuning::magnetometer::{KnownField, MagnetometerFit, calibrate};
 use support::{Bench, magnetometer};
 
 /// Calibrates from those readings of a long tumble whose true direction is wanted.
-fn part(bench: &Bench, seed: u64, keep: impl Fn(&Vector3<f64>) -> bool) -> Result<MagnetometerFit, TuningError> {
+fn part(
+    bench: &Bench,
+    seed: u64,
+    keep: impl Fn(&Vector3<f64>) -> bool,
+) -> Result<MagnetometerFit, TuningError> {
     let undo = bench.distortion.try_inverse().unwrap();
     let readings = bench.readings(seed).into_iter();
     let kept: Vec<Vector3<f64>> =
@@ -34,7 +38,8 @@ fn a_cap_is_refused_whatever_the_seed() {
     for degrees in [20.0_f64, 40.0, 60.0, 85.0] {
         for seed in 0..10 {
             let result = part(&uneven(), seed, |u| u.z > degrees.to_radians().cos());
-            let error = result.expect_err(&format!("a cap of {degrees}° was taken with seed {seed}")).to_string();
+            let error =
+                result.expect_err(&format!("a cap of {degrees}° was taken with seed {seed}")).to_string();
             assert!(!error.contains('\n'), "{error}");
         }
     }
@@ -58,7 +63,9 @@ fn a_turntable_is_refused_with_its_axis() {
         let error = calibrate(&magnetometer(&bench.readings(4)), &KnownField::default()).unwrap_err();
         let said = error.to_string();
         match error {
-            TuningError::Flat { .. } => assert!(said.contains("normal +z") || said.contains("normal -z"), "{said}"),
+            TuningError::Flat { .. } => {
+                assert!(said.contains("normal +z") || said.contains("normal -z"), "{said}");
+            }
             TuningError::Coverage { .. } | TuningError::NoEllipsoid { .. } => {}
             other => panic!("{other}"),
         }
@@ -69,7 +76,8 @@ fn a_turntable_is_refused_with_its_axis() {
 fn a_sensor_at_rest_is_refused() {
     let bench = Bench::default();
     let mut noise = support::Noise::new(1);
-    let rest: Vec<Vector3<f64>> = (0..5000).map(|_| Vector3::new(20.0, -5.0, 40.0) + noise.vector(0.2)).collect();
+    let rest: Vec<Vector3<f64>> =
+        (0..5000).map(|_| Vector3::new(20.0, -5.0, 40.0) + noise.vector(0.2)).collect();
     let error = calibrate(&magnetometer(&rest), &KnownField::default()).unwrap_err().to_string();
     assert!(!error.is_empty());
     let frozen = vec![Vector3::new(20.0, -5.0, 40.0); 5000];

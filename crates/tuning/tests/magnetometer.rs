@@ -35,7 +35,8 @@ fn readings_without_noise_give_the_truth() {
 #[test]
 fn strong_iron_is_found_too() {
     let distortion = Matrix3::new(1.6, 0.2, -0.1, 0.2, 0.8, 0.15, -0.1, 0.15, 1.1);
-    let bench = Bench { distortion, offset_ut: Vector3::new(300.0, -150.0, 90.0), noise_ut: 0.0, ..Bench::default() };
+    let bench =
+        Bench { distortion, offset_ut: Vector3::new(300.0, -150.0, 90.0), noise_ut: 0.0, ..Bench::default() };
     let fit = fit(&bench, &bench.readings(1));
     assert!(errors(&bench, &fit).iter().all(|e| e.abs() < 1e-7), "{:?}", errors(&bench, &fit));
 }
@@ -79,7 +80,9 @@ fn white_noise_is_filtered_to_the_stated_covariance() {
 fn four_times_the_samples_halve_the_error() {
     let rms = |samples: usize| {
         let bench = Bench { noise_ut: 0.5, samples, ..Bench::default() };
-        let square = |seed| errors(&bench, &fit(&bench, &bench.readings(seed)))[..3].iter().map(|e| e * e).sum::<f64>();
+        let square = |seed| {
+            errors(&bench, &fit(&bench, &bench.readings(seed)))[..3].iter().map(|e| e * e).sum::<f64>()
+        };
         ((0..40).map(square).sum::<f64>() / 40.0).sqrt()
     };
     // Both over motions that cover the sphere; 120 squares each are within 9 % (1 σ of the root: 6.5 %).
@@ -135,7 +138,8 @@ fn a_long_rest_within_the_tumble_does_not_rule_it() {
     let at_rest = readings[1234];
     let mut noise = Noise::new(5);
     // Ten times as many readings at one place, whose field is 2 % too long.
-    let extra = (0..60_000).map(|_| at_rest + (at_rest - bench.offset_ut) * 0.02 + noise.vector(bench.noise_ut));
+    let extra =
+        (0..60_000).map(|_| at_rest + (at_rest - bench.offset_ut) * 0.02 + noise.vector(bench.noise_ut));
     readings.splice(1234..1234, extra);
     let fit = fit(&bench, &readings);
     let size = errors(&bench, &fit)[..3].iter().map(|e| e * e).sum::<f64>().sqrt();

@@ -5,7 +5,7 @@ mod support;
 
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
-use adit_tuning::noise::{InertialNoise, NoiseModel, measure, overlapping};
+use adit_tuning::noise::{AllanPoint, InertialNoise, NoiseModel, measure, overlapping};
 use adit_tuning::{Series, TuningError};
 use support::Noise;
 
@@ -61,14 +61,15 @@ fn rest(seconds: u32, gyro: &NoiseModel, force: &NoiseModel, seed: u64) -> (Seri
     let (mut rate_bias, mut force_bias) = (noise.vector(0.01), noise.vector(0.1));
     let (mut rate_step, mut force_step) = (Vector3::zeros(), Vector3::zeros());
     for i in 0..i64::from(seconds) * 100 {
-        let mut reading = |model: &NoiseModel, bias: &mut Vector3<f64>, step: &mut Vector3<f64>, mean: Vector3<f64>| {
-            *bias += noise.vector(model.walk * interval.sqrt());
-            // Quantisation is white noise on the integral of the reading.
-            let next = noise.vector(model.quantisation);
-            let quantised = (next - *step) / interval;
-            *step = next;
-            mean + *bias + noise.vector(model.white / interval.sqrt()) + quantised
-        };
+        let mut reading =
+            |model: &NoiseModel, bias: &mut Vector3<f64>, step: &mut Vector3<f64>, mean: Vector3<f64>| {
+                *bias += noise.vector(model.walk * interval.sqrt());
+                // Quantisation is white noise on the integral of the reading.
+                let next = noise.vector(model.quantisation);
+                let quantised = (next - *step) / interval;
+                *step = next;
+                mean + *bias + noise.vector(model.white / interval.sqrt()) + quantised
+            };
         let time = Time::from_nanos(i * 10_000_000);
         rates.push(time, reading(gyro, &mut rate_bias, &mut rate_step, Vector3::zeros())).unwrap();
         forces.push(time, reading(force, &mut force_bias, &mut force_step, Vector3::z() * 9.81)).unwrap();
@@ -119,10 +120,14 @@ fn the_stated_scatter_of_the_curve_is_what_seeds_show() {
         .collect();
     for point in 0..curves[0].len() {
         let truth = FORCE.deviation(curves[0][point].tau_s);
-        let square = |curve: &Vec<adit_tuning::noise::AllanPoint>| ((curve[point].deviation - truth) / curve[point].sd).powi(2);
+        let square = |curve: &Vec<AllanPoint>| {
+            let AllanPoint { deviation, sd, .. } = curve[point];
+            // The relative σ, at the true deviation.
+            ((deviation - truth) / (sd / deviation * truth)).powi(2)
+        };
         let mean = curves.iter().map(square).sum::<f64>() / curves.len() as f64;
-        // 60 normalised squares: 1 ± 0.18; the fitted model in σ bends with the curve at its end, where χ² is far from normal.
-        assert!((0.45..2.0).contains(&mean), "{} s: {mean}", curves[0][point].tau_s);
+        // 60 normalised squares: 1 ± 0.18, 3 σ either way; the table's kinds are pure, this curve is a sum of two.
+        assert!((0.45..1.55).contains(&mean), "{} s: {mean}", curves[0][point].tau_s);
     }
 }
 
@@ -164,7 +169,8 @@ fn motion_cuts_the_rest_and_the_longest_part_is_used() {
     let mut moved = Series::default();
     for (time, rate) in rates.times().iter().zip(rates.readings()) {
         // Somebody moves the sensor from 300 s to 310 s.
-        let hand = if (300.0..310.0).contains(&time.seconds()) { 0.5 * (7.0 * time.seconds()).sin() } else { 0.0 };
+        let hand =
+            if (300.0..310.0).contains(&time.seconds()) { 0.5 * (7.0 * time.seconds()).sin() } else { 0.0 };
         moved.push(*time, rate + Vector3::new(hand, 0.0, 0.0)).unwrap();
     }
     let noise = measure(&moved, &forces).unwrap();

@@ -1,8 +1,8 @@
 //! Allan deviations on logarithmic axes: measured with a bar of ± σ, fitted, and the straight lines of the parts.
 
+use super::Role;
 use super::axes::{Axis, Entry, Frame, Swatch};
 use super::canvas::{self, Area, FAINT_INK, color, fill, stroke, units};
-use super::Role;
 use crate::EvaluationError;
 use plotters::element::{Circle, PathElement};
 use std::f64::consts::{LN_2, PI};
@@ -79,7 +79,8 @@ fn draw(area: &Area<'_>, panel: &AllanPanel) -> Result<(), EvaluationError> {
         swatch: Swatch::Ring,
     };
     let mut legend: Vec<Entry> = panel.axes.iter().enumerate().map(measured).collect();
-    let line = |label: &str, color, width| Entry { label: label.to_owned(), color, swatch: Swatch::Line(width) };
+    let line =
+        |label: &str, color, width| Entry { label: label.to_owned(), color, swatch: Swatch::Line(width) };
     legend.push(line("fit", color(Role::Truth), 1.5));
     legend.push(line("parts of the worst axis", FAINT_INK, 0.8));
     let frame = Frame::new(area, panel.heading, &legend)?;
@@ -102,9 +103,11 @@ fn draw(area: &Area<'_>, panel: &AllanPanel) -> Result<(), EvaluationError> {
             let x = x_range.start + share * (x_range.end - x_range.start);
             (x, worst.parts.deviations(10_f64.powf(x))[part].log10())
         };
-        let dashes = (0..DASHES).map(|i| (at(f64::from(i) / f64::from(DASHES)), at((f64::from(i) + 0.5) / f64::from(DASHES))));
+        let dashes = (0..DASHES)
+            .map(|i| (at(f64::from(i) / f64::from(DASHES)), at((f64::from(i) + 0.5) / f64::from(DASHES))));
         let inside = dashes.filter(|(from, to)| y_range.contains(&from.1) && y_range.contains(&to.1));
-        chart.draw_series(inside.map(|(from, to)| PathElement::new(vec![from, to], stroke(FAINT_INK, 0.8))))?;
+        chart
+            .draw_series(inside.map(|(from, to)| PathElement::new(vec![from, to], stroke(FAINT_INK, 0.8))))?;
     }
     for (number, axis) in panel.axes.iter().enumerate() {
         let fitted = (0..=FIT_POINTS).map(|i| {
@@ -118,9 +121,10 @@ fn draw(area: &Area<'_>, panel: &AllanPanel) -> Result<(), EvaluationError> {
             PathElement::new(vec![end((deviation - sd).max(0.0)), end(deviation + sd)], stroke(color, 0.8))
         });
         chart.draw_series(bars)?;
-        let dots = axis.curve.iter().map(|(tau, deviation, _)| {
-            Circle::new((tau.log10(), deviation.log10()), units(2), fill(color))
-        });
+        let dots = axis
+            .curve
+            .iter()
+            .map(|(tau, deviation, _)| Circle::new((tau.log10(), deviation.log10()), units(2), fill(color)));
         chart.draw_series(dots)?;
     }
     Ok(())

@@ -115,7 +115,7 @@ impl<'b> Frame<'b> {
 
     /// Draws logarithmic axes: ranges and points are common logarithms, ticks are powers of ten.
     pub fn decades(&self, x: &Axis, y: &Axis) -> Result<Chart<'_, 'b>, EvaluationError> {
-        self.chart_on(x, y, Scale::decades(&x.range), Scale::decades(&y.range))
+        self.chart_on(x, y, &Scale::decades(&x.range), &Scale::decades(&y.range))
     }
 
     fn chart_with_ticks(
@@ -127,15 +127,15 @@ impl<'b> Frame<'b> {
         let (width, height) = self.plot_px();
         let (x_scale, y_scale) =
             (Scale::over(&x.range, width / X_TICK_EVERY_PX), Scale::over(&y.range, height / y_tick_every_px));
-        self.chart_on(x, y, x_scale, y_scale)
+        self.chart_on(x, y, &x_scale, &y_scale)
     }
 
     fn chart_on(
         &self,
         x: &Axis,
         y: &Axis,
-        x_scale: Scale,
-        y_scale: Scale,
+        x_scale: &Scale,
+        y_scale: &Scale,
     ) -> Result<Chart<'_, 'b>, EvaluationError> {
         for axis in [x, y] {
             let span = axis.range.end - axis.range.start;

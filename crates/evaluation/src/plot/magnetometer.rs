@@ -134,7 +134,8 @@ fn draw_plane(
     ];
     let frame = Frame::new(area, &format!("{right}–{up} plane"), &legend)?;
     let (width_px, height_px) = frame.plot_px();
-    let reach = cloud.raw_ut.iter().chain(cloud.calibrated_ut).flatten().fold(cloud.norm_ut, |r, v| r.max(v.abs()));
+    let reach =
+        cloud.raw_ut.iter().chain(cloud.calibrated_ut).flatten().fold(cloud.norm_ut, |r, v| r.max(v.abs()));
     let pixel_ut = 2.1 * reach.max(1e-3) / width_px.min(height_px);
     let axis = |name: &str, length_px: f64| {
         let half = 0.5 * pixel_ut * length_px;

@@ -113,7 +113,10 @@ pub fn largest_sd(covariance: &ParameterMatrix) -> f64 {
     directions_everywhere().map(sd).fold(0.0, f64::max)
 }
 
-fn amplification(information: &Cholesky<f64, adit_core::nalgebra::Const<PARAMETERS>>, u: &Vector3<f64>) -> f64 {
+fn amplification(
+    information: &Cholesky<f64, adit_core::nalgebra::Const<PARAMETERS>>,
+    u: &Vector3<f64>,
+) -> f64 {
     let slope = slope(u);
     let variance = slope.dot(&information.solve(&slope));
     if variance.is_finite() && variance > 0.0 { variance.sqrt() } else { f64::INFINITY }
@@ -126,7 +129,11 @@ fn cell(u: &Vector3<f64>) -> usize {
     for count in RINGS {
         let top = 2.0 * (below + count) as f64 / CELLS as f64 - 1.0;
         if u.z <= top || below + count == CELLS {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to the count of the ring")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "0 to the count of the ring"
+            )]
             let along = ((turn * count as f64) as usize).min(count - 1);
             return below + along;
         }
@@ -180,6 +187,18 @@ mod tests {
         let bound = 100.0 * PLACE_ERROR * (9.0 / CELLS as f64).sqrt();
         assert!((1.0..1.1).contains(&(coverage.worst_error_percent / bound)), "{coverage:?}");
         assert!(coverage.is_enough() && coverage.missing.is_empty());
+    }
+
+    /// The table of `docs/methods/calibration.md`, to its digits.
+    #[test]
+    fn motions_of_the_page_are_judged_as_it_says() {
+        let cos = |degrees: f64| degrees.to_radians().cos();
+        let all_but_a_cap = seen(|u| u.z < cos(60.0)).worst_error_percent;
+        let half = seen(|u| u.z > 0.0).worst_error_percent;
+        let band = |degrees: f64| seen(|u| u.z.abs() < degrees.to_radians().sin()).worst_error_percent;
+        let cap = seen(|u| u.z > cos(60.0)).worst_error_percent;
+        let table = [all_but_a_cap, half, band(30.0), band(10.0), cap].map(|percent| format!("{percent:.1}"));
+        assert_eq!(table, ["0.9", "6.1", "1.5", "96.9", "46.1"]);
     }
 
     #[test]

@@ -51,8 +51,14 @@ impl Ellipsoid {
         let mut mixed = SMatrix::<f64, 6, 4>::zeros();
         let mut linear = SMatrix::<f64, 4, 4>::zeros();
         for p in points {
-            let quadratic =
-                SVector::from([p.x * p.x, p.y * p.y, p.z * p.z, 2.0 * p.y * p.z, 2.0 * p.x * p.z, 2.0 * p.x * p.y]);
+            let quadratic = SVector::from([
+                p.x * p.x,
+                p.y * p.y,
+                p.z * p.z,
+                2.0 * p.y * p.z,
+                2.0 * p.x * p.z,
+                2.0 * p.x * p.y,
+            ]);
             let rest = SVector::from([2.0 * p.x, 2.0 * p.y, 2.0 * p.z, 1.0]);
             squares += quadratic * quadratic.transpose();
             mixed += quadratic * rest.transpose();
@@ -66,7 +72,9 @@ impl Ellipsoid {
         let half = factor.solve_lower_triangular(&constraint())?;
         let pencil = factor.solve_lower_triangular(&half.transpose())?;
         let eigen = SymmetricEigen::new(0.5 * (pencil + pencil.transpose()));
-        let coefficients = factor.transpose().solve_upper_triangular(&eigen.eigenvectors.column(eigen.eigenvalues.imax()))?;
+        let coefficients = factor
+            .transpose()
+            .solve_upper_triangular(&eigen.eigenvectors.column(eigen.eigenvalues.imax()))?;
         Self::from_quadric(&coefficients, &-(eliminated * coefficients))
     }
 

@@ -146,7 +146,7 @@ pub fn calibrate(tumble: &Tumble, known: &KnownField) -> Result<MagnetometerFit,
         readings: readings.len(),
         outliers,
         duration_s: tumble.field_ut.duration_s(),
-        before: Spread::of(readings.iter().map(|r| r.norm()).collect()),
+        before: Spread::of(readings.iter().map(Vector3::norm).collect()),
         after: Spread::of(lengths(&residuals)),
         held_out: held_out(&scaled.points, &fitted).map(|residuals| Spread::of(lengths(&residuals))),
         noise_percent: 100.0 * fitted.errors.noise,
@@ -198,7 +198,8 @@ impl Fitted {
         let start = start::ellipsoid(&path).ok_or_else(|| none("no start was found"))?;
         // Of the path, not of all samples: a rest in between would be a majority.
         let path = start::some(&path, ROBUST_POINTS);
-        let (mut ellipsoid, scale) = refine::robust(&path, start).ok_or_else(|| none("the robust fit failed"))?;
+        let (mut ellipsoid, scale) =
+            refine::robust(&path, start).ok_or_else(|| none("the robust fit failed"))?;
         let limit = OUTLIER_SIGMAS * scale;
         let mut visits = visits::gather(points, &ellipsoid, limit);
         let mut errors = visits::errors(points, &ellipsoid, &visits, limit);

@@ -95,8 +95,8 @@ fn minimise(
     let mut here = pass(points, &at, &judge);
     let mut damping = 1e-4;
     for _ in 0..MOST_STEPS {
-        let damped = here.information
-            + ParameterMatrix::from_diagonal(&(here.information.diagonal() * damping));
+        let damped =
+            here.information + ParameterMatrix::from_diagonal(&(here.information.diagonal() * damping));
         let step = -Cholesky::new(damped)?.solve(&here.gradient);
         let there = moved(&at, &step);
         let beyond = if is_ellipsoid(&there) { Some(pass(points, &there, &judge)) } else { None };
@@ -135,7 +135,11 @@ pub fn robust(points: &[Vector3<f64>], start: Ellipsoid) -> Option<(Ellipsoid, f
 }
 
 /// Least squares with a weight for each point.
-pub fn weighted(points: &[Vector3<f64>], start: Ellipsoid, weight: impl Fn(usize) -> f64) -> Option<Ellipsoid> {
+pub fn weighted(
+    points: &[Vector3<f64>],
+    start: Ellipsoid,
+    weight: impl Fn(usize) -> f64,
+) -> Option<Ellipsoid> {
     minimise(points, start, |index, residual| {
         let weight = weight(index);
         (weight, weight * residual * residual)

@@ -3,7 +3,7 @@
 use super::refine::ParameterMatrix;
 use super::{Alignment, AlignmentSource, Coverage, Fitted, Tumble, clock};
 use crate::robust;
-use adit_core::nalgebra::Matrix3;
+use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::time::Time;
 use adit_observation::sidecar::MagnetometerCalibration;
 use serde::Serialize;
@@ -100,7 +100,12 @@ pub struct MagnetometerFit {
     pub warnings: Vec<String>,
 }
 
-pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignment: &Alignment) -> Vec<String> {
+pub(super) fn warnings(
+    tumble: &Tumble,
+    fitted: &Fitted,
+    outliers: usize,
+    alignment: &Alignment,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let place_percent = 100.0 * fitted.errors.place;
     if place_percent > UNEVEN_PERCENT {
@@ -112,7 +117,10 @@ pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignm
     let readings = tumble.field_ut.readings();
     let share = 100.0 * outliers as f64 / readings.len() as f64;
     if share > MANY_OUTLIERS_PERCENT {
-        warnings.push(format!("{share:.1} % of the readings are outliers{}", at_the_range(tumble, fitted, outliers)));
+        warnings.push(format!(
+            "{share:.1} % of the readings are outliers{}",
+            at_the_range(tumble, fitted, outliers)
+        ));
     }
     let origin = tumble.field_ut.times().first().copied().unwrap_or(Time::default());
     let sensors = [
@@ -123,7 +131,9 @@ pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignm
     for (sensor, series) in sensors {
         if clock::evened(&series.seconds_from(origin)).is_some() {
             let rate_hz = (series.len() - 1) as f64 / series.duration_s();
-            warnings.push(format!("stamps of the {sensor} come in bursts: an even clock of {rate_hz:.1} Hz was used"));
+            warnings.push(format!(
+                "stamps of the {sensor} come in bursts: an even clock of {rate_hz:.1} Hz was used"
+            ));
         }
     }
     if alignment.source == AlignmentSource::Gravity && alignment.reason.contains("frame") {
@@ -147,7 +157,7 @@ pub(super) fn warnings(tumble: &Tumble, fitted: &Fitted, outliers: usize, alignm
 /// Readings that stand at the end of the sensor's range.
 fn at_the_range(tumble: &Tumble, fitted: &Fitted, outliers: usize) -> String {
     let readings = tumble.field_ut.readings();
-    let largest = readings.iter().map(|r| r.amax()).fold(0.0, f64::max);
+    let largest = readings.iter().map(Vector3::amax).fold(0.0, f64::max);
     let clipped = readings.iter().filter(|r| r.amax() >= largest).count();
     if fitted.limit > 0.0 && 2 * clipped > outliers {
         return format!(", {clipped} readings stand at {largest:.1} µT: the range of the sensor");
@@ -162,7 +172,11 @@ impl fmt::Display for MagnetometerFit {
             "readings    {} over {:.1} s, {} of them outliers",
             self.readings, self.duration_s, self.outliers
         )?;
-        writeln!(f, "{:<22}{:>10}{:>12}{:>12}{:>12}", "length of the field", "mean µT", "sd %", "bulk sd %", "largest %")?;
+        writeln!(
+            f,
+            "{:<22}{:>10}{:>12}{:>12}{:>12}",
+            "length of the field", "mean µT", "sd %", "bulk sd %", "largest %"
+        )?;
         spread_row(f, "before", &self.before)?;
         spread_row(f, "after", &self.after)?;
         self.held_out.iter().try_for_each(|spread| spread_row(f, "after, held out", spread))?;

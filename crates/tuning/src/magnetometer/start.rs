@@ -34,7 +34,8 @@ pub fn thinned(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
             continue;
         }
         let middle = Vector3::from_fn(|axis, _| {
-            let mut values = [window[0][axis], window[1][axis], window[2][axis], window[3][axis], window[4][axis]];
+            let mut values =
+                [window[0][axis], window[1][axis], window[2][axis], window[3][axis], window[4][axis]];
             values.sort_by(f64::total_cmp);
             values[2]
         });
@@ -58,8 +59,7 @@ pub fn ellipsoid(path: &[Vector3<f64>]) -> Option<Ellipsoid> {
     }
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut draw = || {
-        #[expect(clippy::cast_possible_truncation, reason = "less than the number of points")]
-        let index = (u64::from(random.next_u32()) * points.len() as u64 >> 32) as usize;
+        let index = ((u64::from(random.next_u32()) * points.len() as u64) >> 32) as usize;
         &points[index]
     };
     let all = Ellipsoid::through(points.iter());

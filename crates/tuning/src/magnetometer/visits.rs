@@ -3,7 +3,7 @@
 //! The field of a room is not the same everywhere: a hand that turns a sensor also carries it through gradients. Such an
 //! error is common to neighbouring samples, and ten thousand of them at one place know no more about the ellipsoid than ten.
 //! Samples are therefore gathered in visits, during which the direction of the field in the sensor changes by less than 20°,
-//! and the residual is split in two by a one-way analysis of variance (Searle, Casella & McCulloch 1992, section 3.6):
+//! and the residual is split in two by a one-way analysis of variance (Searle, Casella & `McCulloch` 1992, section 3.6):
 //! `r = place(visit) + noise`. A sample is then weighted by `1/(σ_noise² + n σ_place²)`, n the samples of its visit: where
 //! there is only noise all samples count alike, where the place rules every visit does. A place outlasts a visit: the correlation of one visit
 //! with the next is measured, and the covariance of the parameters takes it as falling geometrically from visit to visit.

@@ -71,7 +71,11 @@ fn averaging_times(readings: usize) -> impl Iterator<Item = usize> {
     let mut last = 0;
     (0..)
         .map(|i| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and ends the list")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates, and ends the list"
+            )]
             let samples = (f64::from(i) / PER_OCTAVE).exp2().round() as usize;
             samples
         })

@@ -133,7 +133,8 @@ fn white(axis: &AxisNoise) -> f64 {
 /// exclude.
 fn bias_walk(axis: &AxisNoise) -> f64 {
     let NoiseModel { white, instability, walk, .. } = axis.fit.model;
-    let flat = if white > 0.0 { 3_f64.sqrt() * model::FLICKER * instability * instability / white } else { 0.0 };
+    let flat =
+        if white > 0.0 { 3_f64.sqrt() * model::FLICKER * instability * instability / white } else { 0.0 };
     let seen = walk.hypot(flat);
     if seen > 0.0 {
         return seen;

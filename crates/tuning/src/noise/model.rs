@@ -42,10 +42,10 @@ impl NoiseModel {
         self.parts(tau_s).iter().sum::<f64>().sqrt()
     }
 
-    /// σ of a measured deviation about this model, U: `σ/√(2 edf)`.
+    /// σ of a measured deviation, U: `deviation/√(2 edf)`, the kind of noise being that which rules this model there.
     pub(super) fn scatter(&self, point: &AllanPoint, readings: usize) -> f64 {
         let degrees = degrees_of_freedom(self.ruling(point.tau_s), readings, point.samples);
-        self.deviation(point.tau_s) / (2.0 * degrees).sqrt()
+        point.deviation / (2.0 * degrees).sqrt()
     }
 
     /// The part that rules at an averaging time.
@@ -83,7 +83,9 @@ pub fn fit(curve: &[AllanPoint], readings: usize) -> Option<NoiseFit> {
     }
     let mut scatter: Vec<f64> = curve
         .iter()
-        .map(|p| scatter_of(p.deviation * p.deviation, degrees_of_freedom(NoiseKind::White, readings, p.samples)))
+        .map(|p| {
+            scatter_of(p.deviation * p.deviation, degrees_of_freedom(NoiseKind::White, readings, p.samples))
+        })
         .collect();
     let mut best = non_negative(curve, &scatter)?;
     for _ in 0..REWEIGHTINGS {

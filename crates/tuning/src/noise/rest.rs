@@ -60,21 +60,24 @@ pub fn longest(gyro: &Series, accelerometer: &Series) -> Result<Rest, TuningErro
     let (gyro_first, gyro_last) = bounds(gyro).ok_or(too_few("gyro"))?;
     let (force_first, force_last) = bounds(accelerometer).ok_or(too_few("accelerometer"))?;
     let (from, to) = (gyro_first.max(force_first), gyro_last.min(force_last));
-    let mean_interval = gyro.duration_s().max(accelerometer.duration_s())
-        / gyro.len().min(accelerometer.len()).max(1) as f64;
+    let mean_interval =
+        gyro.duration_s().max(accelerometer.duration_s()) / gyro.len().min(accelerometer.len()).max(1) as f64;
     let window_s = WINDOW_S.max(WINDOW_INTERVALS * mean_interval);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
     let windows = ((to - from).seconds() / window_s).max(0.0) as usize;
     // Every window of a log has a reading in it, or half of them would be missing.
     let windows = windows.min(gyro.len().max(accelerometer.len()));
     let mut states = judge(gyro, &GYRO, from, window_s, windows)?;
-    for (state, other) in states.iter_mut().zip(judge(accelerometer, &ACCELEROMETER, from, window_s, windows)?) {
+    for (state, other) in
+        states.iter_mut().zip(judge(accelerometer, &ACCELEROMETER, from, window_s, windows)?)
+    {
         if *state == State::Still {
             *state = other;
         }
     }
     let (start, end) = longest_run(&states);
-    let at = |window: usize| from + Interval::from_seconds(window as f64 * window_s).unwrap_or(Interval::ZERO);
+    let at =
+        |window: usize| from + Interval::from_seconds(window as f64 * window_s).unwrap_or(Interval::ZERO);
     let found_s = (end - start) as f64 * window_s;
     if found_s < SHORTEST_REST_S {
         let ended_by = match states.get(end) {
@@ -82,7 +85,12 @@ pub fn longest(gyro: &Series, accelerometer: &Series) -> Result<Rest, TuningErro
             Some(State::Missing) => format!("a hole at {:.1} s", at(end).seconds()),
             _ => "the end of the log".to_owned(),
         };
-        return Err(TuningError::ShortRest { found_s, expected_s: SHORTEST_REST_S, from_s: at(start).seconds(), ended_by });
+        return Err(TuningError::ShortRest {
+            found_s,
+            expected_s: SHORTEST_REST_S,
+            from_s: at(start).seconds(),
+            ended_by,
+        });
     }
     // A motion may have begun, too weak to tell, in the window before it was seen.
     let from = if start == 0 { from } else { at(start + 1) };

@@ -117,7 +117,8 @@ impl Bench {
             let attitude = self.attitude(time);
             let turned = attitude::log(&(self.attitude(before).inverse() * attitude));
             let rate = turned * RATE_HZ + self.gyro_bias + noise.vector(self.gyro_noise);
-            let force = attitude.inverse() * Vector3::new(0.0, 0.0, GRAVITY_M_S2) + noise.vector(self.acc_noise);
+            let force =
+                attitude.inverse() * Vector3::new(0.0, 0.0, GRAVITY_M_S2) + noise.vector(self.acc_noise);
             tumble.angular_rate_rad_s.push(stamp(i), rate).unwrap();
             tumble.specific_force_m_s2.push(stamp(i), force).unwrap();
         }

@@ -89,7 +89,8 @@ fn names(args: &CalibrateMagArgs) -> String {
 fn site(args: &CalibrateMagArgs, tumble: &Tumble) -> Result<Option<Site>> {
     let Some(place) = &args.site else { return Ok(None) };
     let of_log = || tumble.field_ut.times().first().copied().and_then(Day::of_unix);
-    let day = args.date.or_else(of_log).or_else(today).context("the clock tells no day: give one by --date")?;
+    let day =
+        args.date.or_else(of_log).or_else(today).context("the clock tells no day: give one by --date")?;
     let field = geomagnetic::field(place, &day)?;
     Ok(Some(Site { date: day.to_string(), field }))
 }
@@ -122,7 +123,8 @@ fn figure(args: &CalibrateMagArgs, tumble: &Tumble, fit: &MagnetometerFit) -> Re
     let raw: Vec<[f64; 3]> = readings.readings().iter().map(|r| (*r).into()).collect();
     let calibrated: Vec<[f64; 3]> =
         readings.readings().iter().map(|r| fit.calibration.field_ut(r).into()).collect();
-    let cloud = MagneticCloud { time_s: &time_s, raw_ut: &raw, calibrated_ut: &calibrated, norm_ut: fit.norm_ut };
+    let cloud =
+        MagneticCloud { time_s: &time_s, raw_ut: &raw, calibrated_ut: &calibrated, norm_ut: fit.norm_ut };
     let shown = args.logs.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy());
     let title = format!("Magnetometer of {}", shown.collect::<Vec<_>>().join(", "));
     Ok(magnetometer_figure(&cloud, &title)?)

@@ -56,8 +56,7 @@ fn figure(args: &CalibrateNoiseArgs, noise: &InertialNoise) -> Result<String> {
         });
         AllanPanel { heading, unit, axes: axes.collect() }
     };
-    let panels =
-        [panel("Gyro", "rad/s", &noise.gyro), panel("Accelerometer", "m/s²", &noise.accelerometer)];
+    let panels = [panel("Gyro", "rad/s", &noise.gyro), panel("Accelerometer", "m/s²", &noise.accelerometer)];
     let name = args.log.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
     Ok(allan_figure(&panels, &format!("Allan deviation of {name}, at rest for {:.0} s", noise.duration_s))?)
 }

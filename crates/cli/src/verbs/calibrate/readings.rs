@@ -19,7 +19,8 @@ const PULSE: usize = 4096;
 /// A sensor may be spread over several logs that follow each other in time; the same sensor in two logs at the same time is an
 /// error. The only thing taken from a log's sidecar is the sign of its accelerometer.
 pub fn read(paths: &[PathBuf]) -> Result<Tumble> {
-    let mut logs = paths.iter().map(|path| read_one(path).map(|log| (path, log))).collect::<Result<Vec<_>>>()?;
+    let mut logs =
+        paths.iter().map(|path| read_one(path).map(|log| (path, log))).collect::<Result<Vec<_>>>()?;
     let start = |log: &Tumble| {
         let first = |series: &Series| series.times().first().copied();
         [&log.field_ut, &log.angular_rate_rad_s, &log.specific_force_m_s2].into_iter().filter_map(first).min()

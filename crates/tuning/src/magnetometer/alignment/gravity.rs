@@ -19,7 +19,8 @@ const STEPS: usize = 12;
 pub fn align(field: &[Option<Vector3<f64>>], up: &[Option<Vector3<f64>>]) -> Result<RotationFit, String> {
     let mut kept: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
     for (field, up) in field.iter().zip(up).filter_map(|(field, up)| Some(((*field)?, (*up)?))) {
-        let moved = kept.last().is_none_or(|last| last.0.dot(&field) < APART_COS || last.1.dot(&up) < APART_COS);
+        let moved =
+            kept.last().is_none_or(|last| last.0.dot(&field) < APART_COS || last.1.dot(&up) < APART_COS);
         if moved && kept.len() < MOST_SAMPLES {
             kept.push((field, up));
         }
@@ -42,7 +43,8 @@ pub fn align(field: &[Option<Vector3<f64>>], up: &[Option<Vector3<f64>>]) -> Res
                 Linear { residual: turned.dot(up) - sine, slope }
             })
             .collect();
-        let Some((change, covariance, scale)) = step(&observations, &SVector::zeros(), &SVector::zeros()) else {
+        let Some((change, covariance, scale)) = step(&observations, &SVector::zeros(), &SVector::zeros())
+        else {
             break;
         };
         let [x, y, z, sine_change] = change.into();
@@ -70,6 +72,7 @@ fn start(samples: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Matrix3<f64>, f64)
     let eigen = SymmetricEigen::new(scatter);
     let unknowns = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     let rotation = nearest(&Matrix3::from_fn(|r, c| unknowns[3 * r + c]))?;
-    let sine = samples.iter().map(|(field, up)| (rotation * field).dot(up)).sum::<f64>() / samples.len() as f64;
+    let sine =
+        samples.iter().map(|(field, up)| (rotation * field).dot(up)).sum::<f64>() / samples.len() as f64;
     Some((rotation, sine))
 }

@@ -122,9 +122,10 @@ impl Alignment {
         let up = up(sensed, 0.0);
         let by_gyro = |field: &[Option<Vector3<f64>>]| {
             let (times, rates) = sensed.gyro?;
-            Some(gyro::align(sensed.field_s, field, times, rates).and_then(|found| {
-                uncertain("the gyro", &found.fit).map_or(Ok(found), Err)
-            }))
+            Some(
+                gyro::align(sensed.field_s, field, times, rates)
+                    .and_then(|found| uncertain("the gyro", &found.fit).map_or(Ok(found), Err)),
+            )
         };
         let inertial_angle_deg = match up.as_ref().and_then(|up| by_gyro(up)) {
             Some(Ok(found)) => Some(angle_deg(&found.fit.rotation)),
@@ -178,8 +179,9 @@ fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
 
 fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
     let sd_deg = fit.sd_rad.max().to_degrees();
-    (sd_deg > LARGEST_SD_DEG)
-        .then(|| format!("{what} leaves {sd_deg:.1}° of uncertainty in the axes, expected {LARGEST_SD_DEG}° or less"))
+    (sd_deg > LARGEST_SD_DEG).then(|| {
+        format!("{what} leaves {sd_deg:.1}° of uncertainty in the axes, expected {LARGEST_SD_DEG}° or less")
+    })
 }
 
 /// Direction of up in the inertial sensor at the times of the field, where the sensor was calm.
@@ -201,7 +203,7 @@ fn up(sensed: &Sensed<'_>, lag_s: f64) -> Option<Vec<Option<Vector3<f64>>>> {
         }
         means.push((to > from).then(|| sum / (to - from) as f64));
     }
-    let usual = robust::median(means.iter().flatten().map(|mean| mean.norm()).collect())?;
+    let usual = robust::median(means.iter().flatten().map(Vector3::norm).collect())?;
     let calm = |mean: Vector3<f64>| {
         let length = mean.norm();
         ((length - usual).abs() <= CALM * usual && length > 0.0).then(|| mean / length)
@@ -214,7 +216,9 @@ fn dip(sensed: &Sensed<'_>, alignment: &Alignment) -> Option<(f64, f64)> {
     let up = up(sensed, alignment.lag_s)?;
     let both = sensed.field.iter().zip(&up).filter_map(|(field, up)| Some((((*field)?), ((*up)?))));
     let dips: Vec<f64> = both
-        .map(|(field, up)| (-(alignment.rotation * field).normalize().dot(&up)).clamp(-1.0, 1.0).asin().to_degrees())
+        .map(|(field, up)| {
+            (-(alignment.rotation * field).normalize().dot(&up)).clamp(-1.0, 1.0).asin().to_degrees()
+        })
         .collect();
     if dips.len() < FEWEST_CALM {
         return None;
