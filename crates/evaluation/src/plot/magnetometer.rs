@@ -1,16 +1,16 @@
 //! A magnetometer before and after its calibration: length of the field over time, and its points in the three planes.
 
+use super::Role;
 use super::axes::{Axis, Chart, Entry, Frame, Swatch};
 use super::canvas::{self, AXIS, Area, FAINT_INK, color, fill, stroke, units};
 use super::thin::by_columns;
-use super::{MAX_POINTS, Role};
 use crate::EvaluationError;
 use plotters::element::{Circle, PathElement};
 use plotters::style::RGBColor;
 use std::f64::consts::TAU;
 
-/// Points of each cloud that are drawn.
-const CLOUD_POINTS: usize = MAX_POINTS / 3;
+/// Points of each cloud that are drawn: enough to show a sphere, few enough for a small file.
+const CLOUD_POINTS: usize = 600;
 /// Corners of a drawn circle.
 const CORNERS: u32 = 120;
 const PLANES: [(&str, usize, &str, usize); 3] = [("x", 0, "y", 1), ("x", 0, "z", 2), ("y", 1, "z", 2)];
@@ -30,6 +30,10 @@ pub struct MagneticCloud<'a> {
 
 /// Length of the field over time, and the readings seen along each axis, before and after.
 pub fn magnetometer_figure(cloud: &MagneticCloud<'_>, title: &str) -> Result<String, EvaluationError> {
+    let lengths = [cloud.time_s.len(), cloud.raw_ut.len(), cloud.calibrated_ut.len()];
+    if lengths.contains(&0) {
+        return Err(EvaluationError::TooFewPoses { what: "the tumble", found: 0, expected: 1 });
+    }
     canvas::svg((1240, 800), title, |page| {
         let (above, below) = page.split_vertically(units(300));
         let above = above.split_evenly((1, 2));
@@ -65,7 +69,7 @@ fn mean_and_percent(curve: &[(f64, f64)]) -> (f64, f64) {
     let count = curve.len().max(1) as f64;
     let mean = curve.iter().map(|p| p.1).sum::<f64>() / count;
     let variance = curve.iter().map(|p| (p.1 - mean).powi(2)).sum::<f64>() / count;
-    (mean, 100.0 * variance.sqrt() / mean)
+    (mean, if mean > 0.0 { 100.0 * variance.sqrt() / mean } else { 0.0 })
 }
 
 fn over_time(area: &Area<'_>, cloud: &MagneticCloud<'_>) -> Result<(), EvaluationError> {
@@ -87,7 +91,7 @@ fn deviation(area: &Area<'_>, cloud: &MagneticCloud<'_>) -> Result<(), Evaluatio
     let mut curve = curve(cloud, cloud.calibrated_ut);
     let (mean, percent) = mean_and_percent(&curve);
     for (_, value) in &mut curve {
-        *value = 100.0 * (*value / mean - 1.0);
+        *value = if mean > 0.0 { 100.0 * (*value / mean - 1.0) } else { 0.0 };
     }
     let frame = Frame::new(area, "Calibrated length off its mean", &[])?;
     // Outliers leave the panel, lest they flatten the rest.
