@@ -69,6 +69,7 @@ fn white_noise_is_filtered_to_the_stated_covariance() {
     // χ² of 900 degrees of freedom: mean 9, σ of the mean of 100 runs 0.42. The residual's second order in the noise and the
     // place that is estimated from none shift it by less than that: within 3 σ.
     let mean = nees / SEEDS as f64;
+    println!("NEES {mean:.2} of 9");
     assert!((mean - 9.0).abs() < 1.3, "NEES {mean}, expected 9");
     // 0.5 µT of 50 µT; 3000 samples determine it within 1.3 % (1 σ), a hundred times.
     assert!(worst < 0.06, "noise off by {worst} %");
@@ -103,6 +104,7 @@ fn an_uneven_place_is_told_from_noise_and_the_covariance_knows() {
     let (nees, place) = (nees / SEEDS as f64, place / SEEDS as f64);
     // The place changes steadily, not from visit to visit: a visit averages it, neighbours share it. With plain least squares as
     // if all 12,000 samples were independent this figure is above 100.
+    println!("NEES over its degrees {nees:.2}");
     assert!((0.5..2.0).contains(&nees), "NEES over its degrees {nees}, expected about 1");
     assert!((0.5..0.9).contains(&place), "{place} %, simulated 0.8 %");
 }
@@ -126,6 +128,7 @@ fn outliers_do_not_move_it() {
     assert!((900..1250).contains(&spoilt.outliers), "{}", spoilt.outliers);
     let size = |fit: &MagnetometerFit| errors(&bench, fit)[..3].iter().map(|e| e * e).sum::<f64>().sqrt();
     // A sixth of the samples is gone, and with the tool some directions: up to three times the error of the clean fit.
+    println!("offset off by {:.3} µT, without outliers by {:.3} µT", size(&spoilt), size(&clean));
     assert!(size(&spoilt) < 3.0 * size(&clean).max(0.02), "{} against {}", size(&spoilt), size(&clean));
     assert!(spoilt.warnings.iter().any(|w| w.contains("outliers")), "{:?}", spoilt.warnings);
     assert!(spoilt.after.robust_sd_percent < 0.6, "{:?}", spoilt.after);
@@ -144,6 +147,7 @@ fn a_long_rest_within_the_tumble_does_not_rule_it() {
     let fit = fit(&bench, &readings);
     let size = errors(&bench, &fit)[..3].iter().map(|e| e * e).sum::<f64>().sqrt();
     // One visit of about a hundred, 1 µT off: plain least squares is 1 µT off with it.
+    println!("offset off by {size:.3} µT");
     assert!(size < 0.5, "{size} µT");
 }
 

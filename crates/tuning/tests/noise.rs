@@ -104,6 +104,10 @@ fn simulated_parts_are_found_within_their_stated_errors() {
     // of thumb, to be good within 30 %.
     let ratio = (white / count).sqrt();
     assert!((0.7..1.3).contains(&ratio), "σ of the white noise off by {ratio}");
+    println!(
+        "white noise: errors over their stated σ {ratio:.2}; walk: σ {:.0} %",
+        100.0 * (walk / count).sqrt()
+    );
     // An hour holds some twenty independent differences where the walk rules: about 20 %.
     assert!((walk / count).sqrt() < 0.3, "{}", (walk / count).sqrt());
     assert!(quantisation.sqrt() < 0.1, "{}", quantisation.sqrt());
@@ -158,6 +162,7 @@ fn flicker_is_read_as_bias_instability() {
     }
     for axis in &measure(&rates, &forces).unwrap().gyro.axes {
         let found = axis.fit.model.instability;
+        println!("bias instability: found over simulated {:.3}", found / instability);
         // The sum of Gauss–Markov processes ripples by 2 % about a flat spectrum; an hour's own scatter is 3 %.
         assert!((found / instability - 1.0).abs() < 0.1, "{:?}", axis.fit);
     }

@@ -1,7 +1,7 @@
 //! Did the motion show the sensor enough directions of the field?
 //!
 //! The sphere of directions is cut into 82 cells of one size. Each cell that was seen counts as one observation of the
-//! ellipsoid, whatever the number of its samples, with an error of its own ([`PLACE_ERROR`] or what the residuals show, if
+//! ellipsoid, whatever the number of its samples, with an error of its own (1 % or what the residuals show, if
 //! more). Their normal matrix then tells how wrong the calibrated field may be in any direction, seen or not:
 //! `σ²(u) = j(u)ᵀ (Σ j jᵀ)⁻¹ j(u)`. Seen evenly, the best any motion can do, this is `√(9/82) = 0.33` of a cell's error
 //! everywhere (Kiefer & Wolfowitz 1960); it grows without bounds where all samples lie on a plane.

@@ -5,12 +5,12 @@
 //!
 //! | step | module | source |
 //! |---|---|---|
-//! | a start that most points agree with | [`start`] | Li & Griffiths 2004; Rousseeuw 1984 |
-//! | robust least squares of the field's length | [`refine`] | Renaudin, Afzal & Lachapelle 2010 |
-//! | noise of the sensor, unevenness of the place; weights, covariance | [`visits`] | analysis of variance |
-//! | was enough of the sphere seen? | [`coverage`] | optimal design |
+//! | a start that most points agree with | `start` | Li & Griffiths 2004; Rousseeuw 1984 |
+//! | robust least squares of the field's length | `refine` | Renaudin, Afzal & Lachapelle 2010 |
+//! | noise of the sensor, unevenness of the place; weights, covariance | `visits` | analysis of variance |
+//! | was enough of the sphere seen? | `coverage` | optimal design |
 //! | the residual on samples left out of the fit | here | 5-fold cross-validation |
-//! | axes of the magnetometer against those of the inertial sensor, dip | [`alignment`] | Kok & Schön 2016 |
+//! | axes of the magnetometer against those of the inertial sensor, dip | `alignment` | Kok & Schön 2016 |
 //!
 //! Everything is in sensor axes. Limits: one constant calibration (no temperature, no currents that come and go); the
 //! field's true length cannot be seen from within and comes from outside, else the sensor's own scale stands (`det = 1`).

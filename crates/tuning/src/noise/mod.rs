@@ -2,9 +2,9 @@
 //!
 //! | step | module | source |
 //! |---|---|---|
-//! | the longest still stretch of the log | [`rest`] | |
-//! | overlapping Allan deviation of each axis | [`allan`] | Riley 2008 (NIST SP 1065) |
-//! | quantisation, white noise, bias instability, random walk | [`model`] | IEEE Std 952-1997, annex C |
+//! | the longest still stretch of the log | `rest` | |
+//! | overlapping Allan deviation of each axis | `allan` | Riley 2008 (NIST SP 1065) |
+//! | quantisation, white noise, bias instability, random walk | `model` | IEEE Std 952-1997, annex C |
 //! | what a filter should assume | here | |
 //!
 //! Readings are taken as evenly spaced, at their mean interval. Limits: no rate ramp (a sensor that warms up shows one: it goes
@@ -83,7 +83,7 @@ impl InertialNoise {
 
 /// Measures the noise in the longest rest of a log: gyro (rad/s) and accelerometer (m/s²).
 ///
-/// Errors: no rest, one that is too short, an axis without noise. A million readings take a second and 40 bytes each.
+/// Errors: no rest, one that is too short, an axis without noise. A million readings of both sensors take a second and 100 MB.
 pub fn measure(gyro: &Series, accelerometer: &Series) -> Result<InertialNoise, TuningError> {
     let rest = rest::longest(gyro, accelerometer)?;
     let first = gyro.times().first().copied().unwrap_or(rest.from);

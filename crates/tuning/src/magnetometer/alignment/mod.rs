@@ -3,8 +3,8 @@
 //! The length of the field leaves the rotation after the soft iron open: any rotation of a sphere is a sphere. The inertial
 //! sensor closes it, in one of two ways:
 //!
-//! - [`gyro`]: a field that stands still in the room turns in the sensor as the gyro says. Needs a turning sensor, and no rest.
-//! - [`gravity`]: the angle between field and gravity is the same in every attitude. Needs slow motion.
+//! - `gyro`: a field that stands still in the room turns in the sensor as the gyro says. Needs a turning sensor, and no rest.
+//! - `gravity`: the angle between field and gravity is the same in every attitude. Needs slow motion.
 //!
 //! The gyro is preferred, unless it contradicts the accelerometer: the same fit with gravity in the place of the field tells whether the two are
 //! logged in one right-handed frame. Where they are not, gravity decides, since it is what headings are levelled by.
