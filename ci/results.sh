@@ -6,7 +6,8 @@
 #   `steel`: what a steel car does to a compass on the walk of system S3);
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
-#   docs/results/ahrs-delay.svg, docs/results/steel-field.svg, docs/results/steel-heading.svg.
+#   docs/results/ahrs-delay.svg, docs/results/steel-field.svg, docs/results/steel-heading.svg,
+#   docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -16,7 +17,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example simulated_calibration
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -38,6 +39,8 @@ fi
 
 mkdir "$fresh/here"
 ln -s "$PWD/scenarios" "$fresh/here/scenarios"
+ln -s "$ADIT_DATA" "$fresh/here/data"
+"$bin/examples/simulated_calibration" "$fresh/here"
 
 # What a command prints, without the lines that no two runs have in common.
 run() {
@@ -84,5 +87,7 @@ for page in $(grep -rlE --include='*.md' '^<!-- [a-z0-9-]+:begin' README.md docs
     cp "$fresh/page" "$page"
     echo "results: wrote $page"
 done
+cp "$fresh/here/tumble.svg" docs/results/magnetometer.svg
+cp "$fresh/here/allan.svg" docs/results/allan.svg
 cat "$fresh/results.md" "$fresh/loops.md"
 exit $complete

@@ -32,7 +32,7 @@ pub struct SensorRows {
 }
 
 enum Source {
-    Csv(RowReader),
+    Csv(Box<RowReader>),
     Mcap(Box<McapLog>),
 }
 
@@ -49,7 +49,7 @@ impl SensorRows {
         let source = if input.start.starts_with(mcap_log::MAGIC) {
             Source::Mcap(Box::new(McapLog::new(input, &[])))
         } else {
-            Source::Csv(RowReader::new(input, &mut warnings)?)
+            Source::Csv(Box::new(RowReader::new(input, &mut warnings)?))
         };
         Ok(Self { source, file, warnings, progress, latest: None, latest_of: [None; 2], ended: false })
     }
@@ -94,10 +94,9 @@ impl SensorRows {
             }
             let [inertial, magnetic] = &mut self.latest_of;
             let mut repeated = false;
-            if row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some() {
-                if inertial.replace(row.time) == Some(row.time) {
-                    (row.specific_force_m_s2, row.angular_rate_rad_s, repeated) = (None, None, true);
-                }
+            let has_inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
+            if has_inertial && inertial.replace(row.time) == Some(row.time) {
+                (row.specific_force_m_s2, row.angular_rate_rad_s, repeated) = (None, None, true);
             }
             if row.field_ut.is_some() && magnetic.replace(row.time) == Some(row.time) {
                 (row.field_ut, repeated) = (None, true);

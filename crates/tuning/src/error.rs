@@ -60,15 +60,15 @@ pub enum TuningError {
     },
     /// The rest is shorter than the fit needs.
     #[error(
-        "the longest rest lasts {found_s:.0} s (from {from} s on, until {ended_by}), expected {expected_s:.0} s or more; an hour is better"
+        "the longest rest lasts {found_s:.0} s (from {from_s:.1} s on, until {ended_by}), expected {expected_s:.0} s or more; an hour is better"
     )]
     ShortRest {
         /// Its length, s.
         found_s: f64,
         /// What is needed, s.
         expected_s: f64,
-        /// When it began.
-        from: Time,
+        /// When it began, s.
+        from_s: f64,
         /// What ended it.
         ended_by: String,
     },
@@ -86,6 +86,16 @@ pub enum TuningError {
         expected: f64,
         /// Unit of both.
         unit: &'static str,
+    },
+    /// An axis whose readings never change has no noise to be measured.
+    #[error(
+        "the {axis} axis of the {sensor} reads the same all the time: its steps are too coarse, or it is not connected"
+    )]
+    Frozen {
+        /// Which sensor.
+        sensor: &'static str,
+        /// Which axis.
+        axis: &'static str,
     },
     /// The World Magnetic Model has no answer there and then.
     #[error("no magnetic model for this place and day: {reason}")]

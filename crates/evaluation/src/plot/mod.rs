@@ -6,10 +6,12 @@
 //!
 //! Text stays text (`<text>`, sans-serif of the viewer), so its width is guessed with room to spare.
 
+mod allan;
 mod attitude;
 mod axes;
 mod canvas;
 mod curves;
+mod magnetometer;
 mod path;
 mod thin;
 
@@ -18,7 +20,9 @@ use crate::statistics::Distribution;
 use crate::{Evaluation, EvaluationError};
 use adit_core::time::Time;
 use adit_core::trajectory::Trajectory;
+pub use allan::{AllanAxis, AllanPanel, AllanParts, allan_figure};
 pub use attitude::attitude_figure;
+pub use magnetometer::{MagneticCloud, magnetometer_figure};
 pub use thin::MAX_POINTS;
 
 /// What a curve stands for; it decides colour and weight.

@@ -1,7 +1,7 @@
 //! Did the motion show the sensor enough directions of the field?
 //!
 //! The sphere of directions is cut into 82 cells of one size. Each cell that was seen counts as one observation of the
-//! ellipsoid, whatever the number of its samples, with an error of its own ([`PLACE_ERROR`] or what the residuals show, if
+//! ellipsoid, whatever the number of its samples, with an error of its own (1 % or what the residuals show, if
 //! more). Their normal matrix then tells how wrong the calibrated field may be in any direction, seen or not:
 //! `σ²(u) = j(u)ᵀ (Σ j jᵀ)⁻¹ j(u)`. Seen evenly, the best any motion can do, this is `√(9/82) = 0.33` of a cell's error
 //! everywhere (Kiefer & Wolfowitz 1960); it grows without bounds where all samples lie on a plane.
@@ -187,6 +187,18 @@ mod tests {
         let bound = 100.0 * PLACE_ERROR * (9.0 / CELLS as f64).sqrt();
         assert!((1.0..1.1).contains(&(coverage.worst_error_percent / bound)), "{coverage:?}");
         assert!(coverage.is_enough() && coverage.missing.is_empty());
+    }
+
+    /// The table of `docs/methods/calibration.md`, to its digits.
+    #[test]
+    fn motions_of_the_page_are_judged_as_it_says() {
+        let cos = |degrees: f64| degrees.to_radians().cos();
+        let all_but_a_cap = seen(|u| u.z < cos(60.0)).worst_error_percent;
+        let half = seen(|u| u.z > 0.0).worst_error_percent;
+        let band = |degrees: f64| seen(|u| u.z.abs() < degrees.to_radians().sin()).worst_error_percent;
+        let cap = seen(|u| u.z > cos(60.0)).worst_error_percent;
+        let table = [all_but_a_cap, half, band(30.0), band(10.0), cap].map(|percent| format!("{percent:.1}"));
+        assert_eq!(table, ["0.9", "6.1", "1.5", "96.9", "46.1"]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A magnetometer turned in a constant field reads points `x` of an ellipsoid: `|S (x − c)| = 1`. The start of the fit is the
 //! ellipsoid-specific least squares of Li & Griffiths (*Least squares ellipsoid specific fitting*, GMP 2004): algebraic
 //! distance, under the constraint `4J − I² = 1` that admits nothing but ellipsoids, also from points on a part of one. It
-//! leans towards small ellipsoids where there is noise; [`super::refine`] takes that away.
+//! leans towards small ellipsoids where there is noise; `super::refine` takes that away.
 
 use adit_core::nalgebra::{Cholesky, Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 

@@ -5,12 +5,12 @@
 //!
 //! | step | module | source |
 //! |---|---|---|
-//! | a start that most points agree with | [`start`] | Li & Griffiths 2004; Rousseeuw 1984 |
-//! | robust least squares of the field's length | [`refine`] | Renaudin, Afzal & Lachapelle 2010 |
-//! | noise of the sensor, unevenness of the place; weights, covariance | [`visits`] | analysis of variance |
-//! | was enough of the sphere seen? | [`coverage`] | optimal design |
+//! | a start that most points agree with | `start` | Li & Griffiths 2004; Rousseeuw 1984 |
+//! | robust least squares of the field's length | `refine` | Renaudin, Afzal & Lachapelle 2010 |
+//! | noise of the sensor, unevenness of the place; weights, covariance | `visits` | analysis of variance |
+//! | was enough of the sphere seen? | `coverage` | optimal design |
 //! | the residual on samples left out of the fit | here | 5-fold cross-validation |
-//! | axes of the magnetometer against those of the inertial sensor, dip | [`alignment`] | Kok & Schön 2016 |
+//! | axes of the magnetometer against those of the inertial sensor, dip | `alignment` | Kok & Schön 2016 |
 //!
 //! Everything is in sensor axes. Limits: one constant calibration (no temperature, no currents that come and go); the
 //! field's true length cannot be seen from within and comes from outside, else the sensor's own scale stands (`det = 1`).
@@ -40,6 +40,9 @@ use visits::{Errors, Visit};
 
 /// Readings below this are not worth a fit.
 pub const FEWEST_READINGS: usize = 200;
+/// Share of the readings, and of the points of the path, that may lie beyond the extent taken.
+const EXTREMES: f64 = 0.002;
+const PATH_EXTREMES: f64 = 0.05;
 /// Thinnest over widest extent (σ) of readings that are a disc.
 const FLAT: f64 = 0.05;
 /// Longest over shortest axis of an ellipsoid that is believed.
@@ -48,8 +51,8 @@ const LARGEST_RATIO: f64 = 5.0;
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Weights and outliers are taken anew this often.
 const REWEIGHTINGS: usize = 3;
-/// The robust fit looks at this many samples, spread over the log.
-const ROBUST_SAMPLES: usize = 100_000;
+/// The robust fit looks at this many points of the path.
+const ROBUST_POINTS: usize = 50_000;
 /// Cross-validation: stretches of the log, by turns left out.
 const FOLDS: usize = 5;
 const STRETCHES: usize = 20;
@@ -143,7 +146,7 @@ pub fn calibrate(tumble: &Tumble, known: &KnownField) -> Result<MagnetometerFit,
         readings: readings.len(),
         outliers,
         duration_s: tumble.field_ut.duration_s(),
-        before: Spread::of(readings.iter().map(|r| r.norm()).collect()),
+        before: Spread::of(readings.iter().map(Vector3::norm).collect()),
         after: Spread::of(lengths(&residuals)),
         held_out: held_out(&scaled.points, &fitted).map(|residuals| Spread::of(lengths(&residuals))),
         noise_percent: 100.0 * fitted.errors.noise,
@@ -158,15 +161,32 @@ pub fn calibrate(tumble: &Tumble, known: &KnownField) -> Result<MagnetometerFit,
 }
 
 impl Scaled {
+    /// By the path of the field, so that neither a long rest nor spikes decide; the path itself needs a first idea.
     fn new(readings: &[Vector3<f64>]) -> Result<Self, TuningError> {
-        let middle = |axis: usize| robust::median(readings.iter().map(|r| r[axis]).collect());
-        let origin = Vector3::from_fn(|axis, _| middle(axis).unwrap_or_default());
-        let mut lengths: Vec<f64> = readings.iter().map(|r| (r - origin).norm()).collect();
-        let scale = robust::quantile(&mut lengths, 0.9).filter(|s| *s > 0.0 && s.is_finite());
-        let scale =
-            scale.ok_or_else(|| TuningError::NoEllipsoid { what: "they are all alike".to_owned() })?;
+        let alike = || TuningError::NoEllipsoid { what: "they are all alike".to_owned() };
+        let rough = Self::by_extent(readings, EXTREMES).ok_or_else(alike)?;
+        let path = start::thinned(&rough.points);
+        let fine = Self::by_extent(&path, PATH_EXTREMES).unwrap_or(Self {
+            points: Vec::new(),
+            origin: Vector3::zeros(),
+            scale: 1.0,
+        });
+        let (origin, scale) = (rough.origin + fine.origin * rough.scale, rough.scale * fine.scale);
         let points = readings.iter().map(|r| (r - origin) / scale).collect();
         Ok(Self { points, origin, scale })
+    }
+
+    /// Middle and half of the widest extent, of all but a share of the readings at either end.
+    fn by_extent(readings: &[Vector3<f64>], share: f64) -> Option<Self> {
+        let (mut low, mut high) = (Vector3::zeros(), Vector3::zeros());
+        for axis in 0..3 {
+            let mut values: Vec<f64> = readings.iter().map(|r| r[axis]).collect();
+            low[axis] = robust::quantile(&mut values, share)?;
+            high[axis] = robust::quantile(&mut values, 1.0 - share)?;
+        }
+        let (origin, scale) = ((low + high) * 0.5, 0.5 * (high - low).amax());
+        let points = || readings.iter().map(|r| (r - origin) / scale).collect();
+        (scale > 0.0 && scale.is_finite()).then(|| Self { points: points(), origin, scale })
     }
 }
 
@@ -176,11 +196,10 @@ impl Fitted {
         let path = start::thinned(points);
         refuse_a_disc(&path)?;
         let start = start::ellipsoid(&path).ok_or_else(|| none("no start was found"))?;
-        let (start, _) = refine::robust(&path, start).ok_or_else(|| none("the fit of the path failed"))?;
-        let stride = points.len().div_ceil(ROBUST_SAMPLES);
-        let some: Vec<Vector3<f64>> = points.iter().step_by(stride).copied().collect();
+        // Of the path, not of all samples: a rest in between would be a majority.
+        let path = start::some(&path, ROBUST_POINTS);
         let (mut ellipsoid, scale) =
-            refine::robust(&some, start).ok_or_else(|| none("the fit of the samples failed"))?;
+            refine::robust(&path, start).ok_or_else(|| none("the robust fit failed"))?;
         let limit = OUTLIER_SIGMAS * scale;
         let mut visits = visits::gather(points, &ellipsoid, limit);
         let mut errors = visits::errors(points, &ellipsoid, &visits, limit);

@@ -3,10 +3,11 @@
 use super::refine::ParameterMatrix;
 use super::{Alignment, AlignmentSource, Coverage, Fitted, Tumble, clock};
 use crate::robust;
-use adit_core::nalgebra::Matrix3;
+use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::time::Time;
 use adit_observation::sidecar::MagnetometerCalibration;
 use serde::Serialize;
+use std::fmt;
 
 /// Unevenness of the place that is worth a warning, %.
 const UNEVEN_PERCENT: f64 = 1.0;
@@ -135,6 +136,9 @@ pub(super) fn warnings(
             ));
         }
     }
+    if alignment.source == AlignmentSource::Gravity && alignment.reason.contains("frame") {
+        warnings.push(alignment.reason.clone());
+    }
     if alignment.source == AlignmentSource::Assumed {
         warnings.push(format!(
             "axes of magnetometer and inertial sensor are assumed to be parallel ({})",
@@ -153,10 +157,85 @@ pub(super) fn warnings(
 /// Readings that stand at the end of the sensor's range.
 fn at_the_range(tumble: &Tumble, fitted: &Fitted, outliers: usize) -> String {
     let readings = tumble.field_ut.readings();
-    let largest = readings.iter().map(|r| r.amax()).fold(0.0, f64::max);
+    let largest = readings.iter().map(Vector3::amax).fold(0.0, f64::max);
     let clipped = readings.iter().filter(|r| r.amax() >= largest).count();
     if fitted.limit > 0.0 && 2 * clipped > outliers {
         return format!(", {clipped} readings stand at {largest:.1} µT: the range of the sensor");
     }
     String::new()
+}
+
+impl fmt::Display for MagnetometerFit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "readings    {} over {:.1} s, {} of them outliers",
+            self.readings, self.duration_s, self.outliers
+        )?;
+        writeln!(
+            f,
+            "{:<22}{:>10}{:>12}{:>12}{:>12}",
+            "length of the field", "mean µT", "sd %", "bulk sd %", "largest %"
+        )?;
+        spread_row(f, "before", &self.before)?;
+        spread_row(f, "after", &self.after)?;
+        self.held_out.iter().try_for_each(|spread| spread_row(f, "after, held out", spread))?;
+        writeln!(
+            f,
+            "of this     {:.2} % from sample to sample (noise), {:.2} % from place to place",
+            self.noise_percent, self.place_percent
+        )?;
+        writeln!(
+            f,
+            "coverage    {} of {} directions; error in any direction up to {:.2} %, allowed 2 %",
+            self.coverage.cells_seen, self.coverage.cells, self.coverage.worst_error_percent
+        )?;
+        writeln!(f)?;
+        let [x, y, z] = self.offset_ut;
+        let [sx, sy, sz] = self.offset_sd_ut;
+        writeln!(f, "offset      {x:.2} ± {sx:.2}, {y:.2} ± {sy:.2}, {z:.2} ± {sz:.2} µT")?;
+        for (number, row) in self.matrix.iter().enumerate() {
+            let label = if number == 0 { "matrix" } else { "" };
+            writeln!(f, "{label:<10}{:>9.4}{:>9.4}{:>9.4}", row[0], row[1], row[2])?;
+        }
+        writeln!(f, "ellipsoid   longest axis {:.2} times the shortest", self.axis_ratio)?;
+        let origin = if self.norm_given { "given" } else { "by the sensor's own scale" };
+        writeln!(f, "strength    {:.2} µT, {origin}", self.norm_ut)?;
+        self.alignment_lines(f)
+    }
+}
+
+impl MagnetometerFit {
+    fn alignment_lines(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let alignment = &self.alignment;
+        let by = match alignment.source {
+            AlignmentSource::Gyro => "the gyro",
+            AlignmentSource::Gravity => "gravity",
+            AlignmentSource::Assumed => {
+                return writeln!(f, "axes        assumed to be parallel to those of the inertial sensor");
+            }
+        };
+        writeln!(
+            f,
+            "axes        turned by {:.2} ± {:.2}° onto those of the inertial sensor, by {by}",
+            alignment.angle_deg,
+            alignment.sd_deg.iter().copied().fold(0.0, f64::max)
+        )?;
+        if alignment.source == AlignmentSource::Gyro {
+            let (lag_ms, sd_ms) = (1000.0 * alignment.lag_s, 1000.0 * alignment.lag_sd_s);
+            writeln!(f, "lag         {lag_ms:.1} ± {sd_ms:.1} ms behind the gyro")?;
+        }
+        if let (Some(dip), Some(spread)) = (alignment.dip_deg, alignment.dip_spread_deg) {
+            writeln!(f, "dip         {dip:.1}° below the horizontal, spread {spread:.1}°")?;
+        }
+        Ok(())
+    }
+}
+
+fn spread_row(f: &mut fmt::Formatter<'_>, name: &str, spread: &Spread) -> fmt::Result {
+    writeln!(
+        f,
+        "  {name:<20}{:>10.2}{:>12.2}{:>12.2}{:>12.2}",
+        spread.mean_ut, spread.sd_percent, spread.robust_sd_percent, spread.largest_percent
+    )
 }

@@ -43,19 +43,23 @@ pub fn thinned(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
             kept.push(point);
         }
     }
-    let stride = kept.len().div_ceil(MOST_POINTS).max(1);
-    kept.into_iter().step_by(stride).collect()
+    kept
+}
+
+/// At most so many of the points, spread over all.
+pub fn some(points: &[Vector3<f64>], most: usize) -> Vec<Vector3<f64>> {
+    points.iter().step_by(points.len().div_ceil(most).max(1)).copied().collect()
 }
 
 /// The ellipsoid that the better half of the points fits best; `None` where no draw gives one.
-pub fn ellipsoid(points: &[Vector3<f64>]) -> Option<Ellipsoid> {
+pub fn ellipsoid(path: &[Vector3<f64>]) -> Option<Ellipsoid> {
+    let points = &some(path, MOST_POINTS)[..];
     if points.len() < DRAWN {
         return None;
     }
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut draw = || {
-        #[expect(clippy::cast_possible_truncation, reason = "less than the number of points")]
-        let index = (u64::from(random.next_u32()) * points.len() as u64 >> 32) as usize;
+        let index = ((u64::from(random.next_u32()) * points.len() as u64) >> 32) as usize;
         &points[index]
     };
     let all = Ellipsoid::through(points.iter());

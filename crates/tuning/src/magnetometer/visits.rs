@@ -3,9 +3,10 @@
 //! The field of a room is not the same everywhere: a hand that turns a sensor also carries it through gradients. Such an
 //! error is common to neighbouring samples, and ten thousand of them at one place know no more about the ellipsoid than ten.
 //! Samples are therefore gathered in visits, during which the direction of the field in the sensor changes by less than 20°,
-//! and the residual is split in two by a one-way analysis of variance (Searle, Casella & McCulloch 1992, section 3.6):
+//! and the residual is split in two by a one-way analysis of variance (Searle, Casella & `McCulloch` 1992, section 3.6):
 //! `r = place(visit) + noise`. A sample is then weighted by `1/(σ_noise² + n σ_place²)`, n the samples of its visit: where
-//! there is only noise all samples count alike, where the place rules every visit does.
+//! there is only noise all samples count alike, where the place rules every visit does. A place outlasts a visit: the correlation of one visit
+//! with the next is measured, and the covariance of the parameters takes it as falling geometrically from visit to visit.
 
 use super::ellipsoid::{Ellipsoid, PARAMETERS};
 use super::refine::{ParameterMatrix, derivatives};
@@ -16,6 +17,8 @@ use std::ops::Range;
 const ENDS_AT_COS: f64 = 0.939_692_620_785_908_4;
 /// With fewer visits the place cannot be told from the noise.
 const FEWEST_VISITS: usize = PARAMETERS + 4;
+/// Correlation beyond which a place would never change.
+const LONGEST_MEMORY: f64 = 0.98;
 /// Finer than any sensor: keeps weights finite where readings have no noise at all.
 const FINEST_NOISE: f64 = 1e-9;
 
@@ -26,6 +29,8 @@ pub struct Errors {
     pub noise: f64,
     /// σ from visit to visit.
     pub place: f64,
+    /// Correlation of the place of one visit with that of the next.
+    pub memory: f64,
 }
 
 impl Errors {
@@ -72,19 +77,21 @@ pub fn gather(points: &[Vector3<f64>], ellipsoid: &Ellipsoid, limit: f64) -> Vec
 /// Splits the residuals of the samples that count.
 pub fn errors(points: &[Vector3<f64>], ellipsoid: &Ellipsoid, visits: &[Visit], limit: f64) -> Errors {
     let (mut within, mut between, mut samples, mut squares) = (0.0, 0.0, 0.0, 0.0);
+    let mut means = Vec::with_capacity(visits.len());
     for visit in visits {
         let residuals = || residuals(points, ellipsoid, visit, limit);
         let count = visit.counting as f64;
         let mean = residuals().sum::<f64>() / count;
         within += residuals().map(|r| (r - mean) * (r - mean)).sum::<f64>();
         between += count * mean * mean;
+        means.push(mean);
         samples += count;
         squares += count * count;
     }
     let count = visits.len() as f64;
     let all = ((within + between) / (samples - PARAMETERS as f64).max(1.0)).sqrt().max(FINEST_NOISE);
     if visits.len() < FEWEST_VISITS || samples <= count {
-        return Errors { noise: all, place: 0.0 };
+        return Errors { noise: all, place: 0.0, memory: 0.0 };
     }
     let noise = within / (samples - count);
     let mean_square = between / (count - PARAMETERS as f64);
@@ -92,9 +99,11 @@ pub fn errors(points: &[Vector3<f64>], ellipsoid: &Ellipsoid, visits: &[Visit], 
     let place = ((mean_square - noise) / samples_of_a_visit).max(0.0);
     // Without a place the split has nothing to add: the sum over all samples is the better estimate.
     if place == 0.0 {
-        return Errors { noise: all, place };
+        return Errors { noise: all, place, memory: 0.0 };
     }
-    Errors { noise: noise.sqrt().max(FINEST_NOISE), place: place.sqrt() }
+    let product = means.windows(2).map(|two| two[0] * two[1]).sum::<f64>() / (count - 1.0);
+    let memory = (product / place).clamp(0.0, LONGEST_MEMORY);
+    Errors { noise: noise.sqrt().max(FINEST_NOISE), place: place.sqrt(), memory }
 }
 
 fn residuals<'a>(
@@ -136,6 +145,7 @@ pub fn covariance(
     limit: f64,
 ) -> Option<ParameterMatrix> {
     let (mut information, mut scatter) = (ParameterMatrix::zeros(), ParameterMatrix::zeros());
+    let mut remembered = SVector::<f64, PARAMETERS>::zeros();
     for visit in visits {
         let weight = errors.weight(visit.counting);
         let mut own = ParameterMatrix::zeros();
@@ -148,8 +158,10 @@ pub fn covariance(
             }
         }
         information += own * weight;
-        let (noise, place) = (weight * errors.noise, weight * errors.place);
-        scatter += own * (noise * noise) + sum * sum.transpose() * (place * place);
+        let (noise, place) = (weight * errors.noise, sum * (weight * errors.place));
+        scatter += own * (noise * noise) + place * place.transpose();
+        scatter += place * remembered.transpose() + remembered * place.transpose();
+        remembered = (remembered + place) * errors.memory;
     }
     let inverse = Cholesky::new(information)?.inverse();
     Some(inverse * scatter * inverse)

@@ -31,8 +31,12 @@ pub struct GyroAlignment {
     pub fit: RotationFit,
     /// Bias of the gyro, rad/s.
     pub bias_rad_s: Vector3<f64>,
+    /// Its σ, rad/s.
+    pub bias_sd_rad_s: Vector3<f64>,
     /// Magnetometer after gyro, s.
     pub lag_s: f64,
+    /// Its σ, s.
+    pub lag_sd_s: f64,
 }
 
 struct Rates<'a> {
@@ -127,8 +131,9 @@ pub fn align(
     }
     let (covariance, residual_rad) = last.ok_or("the gyro does not determine the axes")?;
     let sd_rad = Vector3::from_fn(|i, _| covariance[(i, i)].sqrt());
+    let bias_sd_rad_s = Vector3::from_fn(|i, _| covariance[(3 + i, 3 + i)].sqrt());
     let fit = RotationFit { rotation, sd_rad, residual_rad };
-    Ok(GyroAlignment { fit, bias_rad_s, lag_s })
+    Ok(GyroAlignment { fit, bias_rad_s, bias_sd_rad_s, lag_s, lag_sd_s: covariance[(6, 6)].sqrt() })
 }
 
 /// Disjoint intervals of turning, at most [`MOST_INTERVALS`], spread over the log.

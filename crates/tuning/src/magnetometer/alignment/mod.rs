@@ -3,8 +3,11 @@
 //! The length of the field leaves the rotation after the soft iron open: any rotation of a sphere is a sphere. The inertial
 //! sensor closes it, in one of two ways:
 //!
-//! - [`gyro`]: a field that stands still in the room turns in the sensor as the gyro says. Needs a turning sensor, and no rest.
-//! - [`gravity`]: the angle between field and gravity is the same in every attitude. Needs slow motion.
+//! - `gyro`: a field that stands still in the room turns in the sensor as the gyro says. Needs a turning sensor, and no rest.
+//! - `gravity`: the angle between field and gravity is the same in every attitude. Needs slow motion.
+//!
+//! The gyro is preferred, unless it contradicts the accelerometer: the same fit with gravity in the place of the field tells whether the two are
+//! logged in one right-handed frame. Where they are not, gravity decides, since it is what headings are levelled by.
 //!
 //! Neither tells `R` from `−R`. Axes that are a right-handed frame in the log decide it; a log in which an axis
 //! of the magnetometer has the wrong sign shows as a field that dips the wrong way.
@@ -19,8 +22,12 @@ use serde::Serialize;
 
 /// Largest uncertainty of a rotation that is used, deg.
 const LARGEST_SD_DEG: f64 = 1.0;
-/// Specific force is averaged over this time for the dip, s.
-const AVERAGED_S: f64 = 0.2;
+/// Largest angle between gyro and accelerometer that are one sensor: gravity in motion is no better a reference, deg.
+const ONE_FRAME_DEG: f64 = 20.0;
+/// Specific force is averaged over this time, s: at 2 rad/s that bends the direction by 0.1° at most.
+const AVERAGED_S: f64 = 0.1;
+/// Both ends of that time hold a sample that stands on them, whatever the last bit of its stamp.
+const STAMP_SLACK_S: f64 = 1e-6;
 /// Length of the mean specific force off its median at which the sensor was not accelerated, as a share.
 const CALM: f64 = 0.05;
 /// Samples needed for a dip.
@@ -43,7 +50,7 @@ pub enum AlignmentSource {
 pub struct Alignment {
     /// Where it comes from.
     pub source: AlignmentSource,
-    /// Why the axes are assumed; empty otherwise.
+    /// Why nothing better was had; empty where the gyro tells.
     pub reason: String,
     /// Turns the calibrated field into the axes of the inertial sensor; a mirror image where the user said so.
     #[serde(skip)]
@@ -56,8 +63,12 @@ pub struct Alignment {
     pub residual_deg: f64,
     /// Gyro bias found on the way, rad/s; zero where the gyro was not used.
     pub gyro_bias_rad_s: [f64; 3],
+    /// Its σ, rad/s.
+    pub gyro_bias_sd_rad_s: [f64; 3],
     /// How much later the magnetometer's stamps come than the gyro's, s; zero where the gyro was not used.
     pub lag_s: f64,
+    /// Its σ, s.
+    pub lag_sd_s: f64,
     /// Field below the horizontal, deg, where an accelerometer tells.
     pub dip_deg: Option<f64>,
     /// Its spread, robust σ, deg.
@@ -86,7 +97,9 @@ impl Alignment {
             sd_deg: [0.0; 3],
             residual_deg: 0.0,
             gyro_bias_rad_s: [0.0; 3],
+            gyro_bias_sd_rad_s: [0.0; 3],
             lag_s: 0.0,
+            lag_sd_s: 0.0,
             dip_deg: None,
             dip_spread_deg: None,
         }
@@ -106,22 +119,40 @@ impl Alignment {
 
     fn rotation_of(sensed: &Sensed<'_>) -> Self {
         let mut reasons = Vec::new();
-        match sensed.gyro.map(|(times, rates)| gyro::align(sensed.field_s, sensed.field, times, rates)) {
-            Some(Ok(found)) => match uncertain("the gyro", &found.fit) {
+        let up = up(sensed, 0.0);
+        let by_gyro = |field: &[Option<Vector3<f64>>]| {
+            let (times, rates) = sensed.gyro?;
+            Some(
+                gyro::align(sensed.field_s, field, times, rates)
+                    .and_then(|found| uncertain("the gyro", &found.fit).map_or(Ok(found), Err)),
+            )
+        };
+        let inertial_angle_deg = match up.as_ref().and_then(|up| by_gyro(up)) {
+            Some(Ok(found)) => Some(angle_deg(&found.fit.rotation)),
+            _ => None,
+        };
+        match by_gyro(sensed.field) {
+            Some(Ok(found)) => match inertial_angle_deg.filter(|angle| *angle > ONE_FRAME_DEG) {
                 None => {
                     let mut alignment = Self::of(AlignmentSource::Gyro, &found.fit);
-                    (alignment.gyro_bias_rad_s, alignment.lag_s) = (found.bias_rad_s.into(), found.lag_s);
+                    alignment.gyro_bias_rad_s = found.bias_rad_s.into();
+                    alignment.gyro_bias_sd_rad_s = found.bias_sd_rad_s.into();
+                    (alignment.lag_s, alignment.lag_sd_s) = (found.lag_s, found.lag_sd_s);
                     return alignment;
                 }
-                Some(reason) => reasons.push(reason),
+                Some(angle) => reasons.push(format!(
+                    "gyro and accelerometer are turned by {angle:.0}° against each other: they are not logged in one right-handed frame"
+                )),
             },
             Some(Err(reason)) => reasons.push(reason),
             None => reasons.push("no gyro in the log".to_owned()),
         }
-        let up = up(sensed, 0.0);
         match up.as_ref().map(|up| gravity::align(sensed.field, up)) {
             Some(Ok(fit)) => match uncertain("gravity", &fit) {
-                None => return Self::of(AlignmentSource::Gravity, &fit),
+                None => {
+                    let reason = reasons.join("; ");
+                    return Self { reason, ..Self::of(AlignmentSource::Gravity, &fit) };
+                }
                 Some(reason) => reasons.push(reason),
             },
             Some(Err(reason)) => reasons.push(reason),
@@ -131,16 +162,19 @@ impl Alignment {
     }
 
     fn of(source: AlignmentSource, fit: &rotation::RotationFit) -> Self {
-        let cos = (0.5 * (fit.rotation.trace() - 1.0)).clamp(-1.0, 1.0);
         Self {
             source,
             rotation: fit.rotation,
-            angle_deg: cos.acos().to_degrees(),
+            angle_deg: angle_deg(&fit.rotation),
             sd_deg: fit.sd_rad.map(f64::to_degrees).into(),
             residual_deg: fit.residual_rad.to_degrees(),
             ..Self::assumed(String::new())
         }
     }
+}
+
+fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
+    (0.5 * (rotation.trace() - 1.0)).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
@@ -153,22 +187,23 @@ fn uncertain(what: &str, fit: &rotation::RotationFit) -> Option<String> {
 /// Direction of up in the inertial sensor at the times of the field, where the sensor was calm.
 fn up(sensed: &Sensed<'_>, lag_s: f64) -> Option<Vec<Option<Vector3<f64>>>> {
     let (times, forces) = sensed.accelerometer?;
+    let half = 0.5 * AVERAGED_S + STAMP_SLACK_S;
     let (mut from, mut to) = (0, 0);
     let mut sum = Vector3::zeros();
     let mut means: Vec<Option<Vector3<f64>>> = Vec::with_capacity(sensed.field_s.len());
     for time in sensed.field_s {
         let middle = time - lag_s;
-        while to < times.len() && times[to] <= middle + 0.5 * AVERAGED_S {
+        while to < times.len() && times[to] <= middle + half {
             sum += forces[to];
             to += 1;
         }
-        while from < to && times[from] < middle - 0.5 * AVERAGED_S {
+        while from < to && times[from] < middle - half {
             sum -= forces[from];
             from += 1;
         }
         means.push((to > from).then(|| sum / (to - from) as f64));
     }
-    let usual = robust::median(means.iter().flatten().map(|mean| mean.norm()).collect())?;
+    let usual = robust::median(means.iter().flatten().map(Vector3::norm).collect())?;
     let calm = |mean: Vector3<f64>| {
         let length = mean.norm();
         ((length - usual).abs() <= CALM * usual && length > 0.0).then(|| mean / length)
