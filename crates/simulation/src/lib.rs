@@ -7,7 +7,9 @@
 //! 3. [`IdealImu`]: what a faultless IMU would read over a sample's interval;
 //! 4. [`ImuErrors`]: what a real one makes of it.
 //!
-//! [`generate`] runs them for a [`FootWalkScenario`] and streams samples with the truth. Frames are those of
+//! [`generate`] runs them for a [`FootWalkScenario`] and streams samples with the truth. Any other [`Motion`], such as a
+//! [`Tumble`], takes the place of the walk in a [`Generator`]; [`Generator::with_magnetometer`] adds a [`Magnetometer`]
+//! in a [`MagneticWorld`] of Earth, steel and cables. Frames are those of
 //! [`adit_core`]: ENU, z up. This crate never uses the estimators, and shares no mechanisation with them: it has no
 //! strapdown integration at all.
 
