@@ -31,7 +31,7 @@ const PARTS: [(&str, &str); 8] = [
     ("rejection of disturbed fields", "disturbance = { norm_share = 10.0, dip_rad = 10.0 }"),
     ("adoption of new offsets and sites", "disturbance.adopt_after_s = 1000.0"),
     ("scale factors of the gyro", "initial.gyro_scale = 0.0"),
-    ("bound of the velocity (3 m/s instead of 0.35)", "velocity_m_s = 3.0"),
+    ("bound of the velocity (3 m/s instead of 0.5)", "velocity_m_s = 3.0"),
 ];
 
 struct Trial {

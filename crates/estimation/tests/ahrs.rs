@@ -205,6 +205,22 @@ fn the_stated_certainty_is_honest() {
     assert!((0.1..1.5).contains(&careful), "{careful}");
 }
 
+/// A blow that the accelerometer clips leaves a velocity that is none: 140 m/s² for 20 ms, 2.8 m/s.
+#[test]
+fn a_blow_does_not_tilt_it() {
+    let (mut log, truth) = Tag::default().record(11);
+    for observation in &mut log {
+        if let Observation::Imu(imu) = observation
+            && (50.0..50.02).contains(&imu.time.seconds())
+        {
+            imu.specific_force_m_s2 += Vector3::new(140.0, 0.0, 0.0);
+        }
+    }
+    let (solutions, _) = run(AhrsParams::default(), &log).unwrap();
+    let (heading, inclination) = worst_deg(&solutions, &truth, 20.0);
+    assert!(heading < 2.0 && inclination < 1.2, "{heading} {inclination}");
+}
+
 #[test]
 fn a_gap_is_told_and_survived() {
     let (log, truth) = Tag::default().record(9);

@@ -227,7 +227,15 @@ impl AttitudeFilter {
         let moving =
             libm::sqrt(2.0 * self.params.velocity_time_s / interval.length_s) * self.params.velocity_m_s;
         let sigma_m_s = if self.at_rest { self.params.rest.velocity_sigma_m_s } else { moving };
-        self.update(&BoundedVelocity { sigma_m_s }, |update| recorder.velocity(update));
+        // A velocity that no wearer has is a blow that the accelerometer has clipped, or a ride: it is not tilt.
+        let possible = BoundedVelocity { sigma_m_s: self.params.velocity_m_s }.linearise(&self.state);
+        if self.covariance.nis(&possible) > self.params.innovation_bound {
+            self.state.velocity_m_s = Vector3::zeros();
+            self.covariance.forget(VELOCITY, &[0, 1, 2], self.params.velocity_m_s * self.params.velocity_m_s);
+            recorder.forgot((VELOCITY, &[0, 1, 2]));
+        } else {
+            self.update(&BoundedVelocity { sigma_m_s }, |update| recorder.velocity(update));
+        }
     }
 
     fn update_field(&mut self, interval: &Interval, recorder: &mut impl Recorder) {

@@ -124,7 +124,7 @@ impl Default for AttitudeParams {
             declination_rad: 0.0,
             interval_s: 0.1,
             gap_s: 0.5,
-            velocity_m_s: 0.35,
+            velocity_m_s: 0.5,
             velocity_time_s: 0.8,
             field_anomaly_ut: 1.2,
             field_anomaly_time_s: 3.0,

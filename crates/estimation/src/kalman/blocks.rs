@@ -125,6 +125,18 @@ impl<const B: usize> BlockCovariance<B> {
         self.blocks[row][row] = (diagonal + diagonal.transpose()) * 0.5;
     }
 
+    /// Normalised innovation squared that a measurement would have; infinite where its covariance cannot be inverted.
+    pub fn nis<const N: usize>(&self, linearised: &Linearised<N>) -> f64 {
+        let mut covariance = linearised.noise;
+        for (row, left) in &linearised.jacobian {
+            for (column, right) in &linearised.jacobian {
+                covariance += left.left(&right.right_transposed(&self.blocks[*row][*column]));
+            }
+        }
+        let value = linearised.residual;
+        covariance.try_inverse().map_or(f64::INFINITY, |inverse| value.dot(&(inverse * value)))
+    }
+
     /// Kalman update with a measurement; its noise grows where the normalised innovation squared exceeds `bound`
     /// (Huber's weight, with three degrees of freedom), so that an outlier pulls no more than a value at the bound.
     ///
