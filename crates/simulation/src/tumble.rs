@@ -90,13 +90,14 @@ impl Tumble {
         }
     }
 
-    /// The calibration tumble: rolls over and over (70°/s) while its nose goes slowly from zenith to nadir and back, and
-    /// it turns about the vertical; the field comes from every side of the tag within `moving_s` (a minute is enough).
+    /// The calibration tumble: rolls over and over (100°/s) while its nose goes once down and once up, and it turns slowly
+    /// about the vertical (12°/s): within a minute the field comes from every side of the tag.
     pub fn over_the_sphere(moving_s: f64) -> Self {
+        let degree = PI / 180.0;
         Self {
-            yaw: Swing { rate: 0.31, ..Swing::default() },
-            pitch: Swing { amplitude: FRAC_PI_2, frequency_hz: 2.0 / moving_s, ..Swing::default() },
-            roll: Swing { rate: 1.22, ..Swing::default() },
+            yaw: Swing { rate: 12.0 * degree, ..Swing::default() },
+            pitch: Swing { amplitude: FRAC_PI_2, frequency_hz: 1.0 / moving_s, ..Swing::default() },
+            roll: Swing { rate: 100.0 * degree, ..Swing::default() },
             ..Self::still(2.0, moving_s)
         }
     }

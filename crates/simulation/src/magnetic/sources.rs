@@ -47,8 +47,8 @@ impl SteelBody {
         self.scaled(field_ut, now_ut)
     }
 
-    /// Made stronger or weaker so that the largest field that the sensor of `motion` meets, looked for every 5 ms, is
-    /// `field_ut`.
+    /// Made stronger or weaker so that the largest field that the sensor of `motion` meets, looked for in steps of 5 ms and
+    /// then of 0.1 ms, is `field_ut`.
     pub fn with_peak_along(
         self,
         earth: &EarthField,
