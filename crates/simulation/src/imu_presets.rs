@@ -154,7 +154,7 @@ impl ImuErrorModel {
     /// Xsens MTi-G with the gyros of ±1200 °/s: the tag of spec S3. A foot turns at up to 500 °/s, and the usual ±300 °/s
     /// would clip every stride; the paper does not say which it had.
     ///
-    /// *MTi and MTx User Manual* (MT0100P rev. N, §4.3–4.5) as found: ranges, 0.1 °/s/√Hz of the ±1200 °/s gyro, axes square
+    /// *`MTi` and `MTx` User Manual* (MT0100P rev. N, §4.3–4.5) as found: ranges, 0.1 °/s/√Hz of the ±1200 °/s gyro, axes square
     /// within 0.1°, 16-bit converters. From memory of its table 1: bandwidths of 40 and 30 Hz, 0.002 m/s²/√Hz,
     /// accelerometer bias 0.02 m/s² (1 σ), scale 0.03 %, gyro linearity 0.1 % (taken as scale, 1 σ). Turn-on bias
     /// ±0.5 °/s: the maker's note on bias repeatability, written of the successor. Assumed: bias instabilities, 40 °/h

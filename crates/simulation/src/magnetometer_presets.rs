@@ -3,7 +3,7 @@
 //! What a sheet knows is the sensor: noise, range, steps, rate. What makes headings wrong is the tag around it; a
 //! calibration takes most of that away. The residue left here is chosen, not found: hard iron σ 0.3 µT (MTi-G) or
 //! 0.5 µT, response and squareness of a few tenths of a per cent. At Harbin's horizontal 24.8 µT, 0.3 µT are
-//! 0.7° of heading (1 σ), next to the 1.0° that the manual of the MTi states. The raw sensor of a tag is had by
+//! 0.7° of heading (1 σ), next to the 1.0° that the manual of the `MTi` states. The raw sensor of a tag is had by
 //! [`MagnetometerModel::hard_iron_ut`] and [`MagnetometerModel::soft_iron`] on top.
 //!
 //! A sheet's noise `σ` at the output of a one-pole bandwidth `f` is white noise of density `N = σ/√(π f)` before it; without
@@ -20,7 +20,7 @@ const DEGREE: f64 = core::f64::consts::PI / 180.0;
 const MARKOV_PEAK: f64 = 0.618;
 
 impl MagnetometerModel {
-    /// The magnetometer of the Xsens MTi-G of spec S3 (*MTi and MTx User Manual*, MT0100P rev. N).
+    /// The magnetometer of the Xsens MTi-G of spec S3 (*`MTi` and `MTx` User Manual*, MT0100P rev. N).
     ///
     /// Found there: axes square within 0.1°, 16-bit converters, 1.0° of static heading. From memory of its table 1:
     /// ±750 mG, 0.5 mG (1 σ) at 10 Hz bandwidth, bias stability 0.1 mG. The bandwidth delays the field by 16 ms: 6° for a

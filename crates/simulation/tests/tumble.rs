@@ -54,7 +54,7 @@ fn coverage(motion: &Tumble) -> f64 {
         let from = motion.at(t).attitude.inverse_transform_vector(&field);
         let face = from.iamax();
         let (u, v) = (from[(face + 1) % 3] / from[face], from[(face + 2) % 3] / from[face]);
-        let cell = |w: f64| (0..4).rfind(|i| (w + 1.0) * 2.0 >= f64::from(*i)).map_or(0, |i| i as usize);
+        let cell = |w: f64| [-0.5, 0.0, 0.5].iter().filter(|edge| w >= **edge).count();
         seen[(2 * face + usize::from(from[face] > 0.0)) * 16 + 4 * cell(u) + cell(v)] = true;
     }
     seen.iter().filter(|seen| **seen).count() as f64 / 96.0

@@ -24,26 +24,53 @@ impl Source {
         anyhow!("{}:{}: {what}", self.file.display(), line(&self.text, span.start))
     }
 
-    /// An error of the simulator: at the line that names the parameter, else where `span` starts.
+    /// An error of the simulator: at the line that gives the parameter this value, else at one that names it, else where
+    /// `span` starts.
     pub fn refused(&self, span: &Range<usize>, error: &SimulationError) -> Error {
-        let SimulationError::Parameter { name, .. } = error;
-        let inside = self.text.get(span.clone()).unwrap_or_default();
-        let at = key(inside, stem(name)).map_or(span.start, |found| span.start + found);
+        let SimulationError::Parameter { name, found, .. } = error;
+        let region = self.region(span);
+        let keys = || keys(region, name.strip_suffix("_rad").unwrap_or(name));
+        let exact = keys().find(|(_, value)| value.is_some_and(|value| stands_for(value, *found)));
+        let at = exact.or_else(|| keys().next()).map_or(span.start, |(at, _)| span.start + at);
         self.error(&(at..at), &error.to_string())
+    }
+
+    /// The text of an entry. The span of a table under a header is that of its header; the table goes on to the next one
+    /// that is not inside it.
+    fn region(&self, span: &Range<usize>) -> &str {
+        let inside = self.text.get(span.clone()).unwrap_or_default();
+        let rest = self.text.get(span.start..).unwrap_or_default();
+        let name = inside.trim_matches(['[', ']']);
+        let header = inside.starts_with('[') && inside.ends_with(']') && !name.contains(['{', '\n', ',']);
+        if !header {
+            return inside;
+        }
+        let next = rest.match_indices("\n[").map(|(at, _)| at + 1).find(|at| {
+            let below = rest[*at..].trim_start_matches('[');
+            !below.strip_prefix(name).is_some_and(|below| below.starts_with('.'))
+        });
+        &rest[..next.unwrap_or(rest.len())]
     }
 }
 
-/// The name of a quantity without its unit of angle: files give degrees where the simulator counts in rad.
-fn stem(name: &str) -> &str {
-    name.strip_suffix("_rad").unwrap_or(name)
-}
-
-/// Where `name`, with any unit of angle, stands as a key.
-fn key(text: &str, name: &str) -> Option<usize> {
-    text.match_indices(name).map(|(at, _)| at).find(|at| {
-        let before = text[..*at].chars().next_back();
+/// Where `name`, with any unit of angle, stands as a key, and the number that it is given.
+fn keys<'a>(text: &'a str, name: &'a str) -> impl Iterator<Item = (usize, Option<f64>)> + 'a {
+    text.match_indices(name).filter_map(move |(at, _)| {
+        let before = text[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_') {
+            return None;
+        }
         let after = &text[at + name.len()..];
         let after = after.strip_prefix("_deg").or_else(|| after.strip_prefix("_rad")).unwrap_or(after);
-        !before.is_some_and(|c| c.is_alphanumeric() || c == '_') && after.trim_start().starts_with('=')
+        let value = after.trim_start().strip_prefix('=')?;
+        let value = value.split([',', '}', '\n', '#']).next().unwrap_or_default();
+        Some((at, value.trim().parse().ok()))
     })
+}
+
+/// The simulator's number is that of the file, or the same angle in rad.
+fn stands_for(written: f64, found: f64) -> bool {
+    written.to_bits() == found.to_bits()
+        || written.to_radians().to_bits() == found.to_bits()
+        || (written.is_nan() && found.is_nan())
 }

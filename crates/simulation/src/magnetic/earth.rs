@@ -2,6 +2,7 @@
 
 use crate::error::{SimulationError, check_within};
 use adit_core::nalgebra::Vector3;
+use core::f64::consts::{FRAC_PI_2, PI};
 use serde::{Deserialize, Serialize};
 
 /// The undisturbed field, the same over a whole site: `B = F (cos I sin D, cos I cos D, −sin I)` in ENU.
@@ -28,7 +29,7 @@ impl Default for EarthField {
 impl EarthField {
     /// Harbin Engineering University, 45.776° N 126.68° E, 140 m: 55.28 µT, dip 63.39°, declination 10.61° **west**.
     ///
-    /// World Magnetic Model WMM2015v2 at 2015.0 (its own standard errors there: 0.15 µT, 0.2°, 0.4°).
+    /// World Magnetic Model `WMM2015v2` at 2015.0 (its own standard errors there: 0.15 µT, 0.2°, 0.4°).
     pub const fn harbin() -> Self {
         Self {
             norm_ut: 55.281,
@@ -47,7 +48,7 @@ impl EarthField {
     /// A field of this Earth: 0 (none) to 100 µT; it has 22 to 67 at the surface.
     pub fn check(&self) -> Result<(), SimulationError> {
         check_within("norm_ut", self.norm_ut, 0.0, 100.0, "0 to 100 µT")?;
-        check_within("dip_rad", self.dip_rad, -1.571, 1.571, "-90 to 90 degrees")?;
-        check_within("declination_rad", self.declination_rad, -3.142, 3.142, "-180 to 180 degrees")
+        check_within("dip_rad", self.dip_rad, -FRAC_PI_2, FRAC_PI_2, "-90 to 90 degrees")?;
+        check_within("declination_rad", self.declination_rad, -PI, PI, "-180 to 180 degrees")
     }
 }

@@ -80,12 +80,17 @@ fn largest_along(body: &SteelBody, earth: &EarthField, motion: &impl Motion) -> 
     let norm_ut = |time_s: f64| body.field_ut(earth, &motion.at(time_s).position_m, time_s).norm();
     let end_s = motion.duration_s();
     let search = |from_s: f64, until_s: f64, step_s: f64| {
-        (0_u64..)
-            .map(|i| from_s + i as f64 * step_s)
-            .take_while(|time_s| *time_s < until_s)
-            .chain([until_s])
-            .map(|time_s| (norm_ut(time_s), time_s))
-            .fold((0.0, 0.0), |most, here| if here.0 > most.0 { here } else { most })
+        let mut most = (norm_ut(until_s), until_s);
+        let (mut steps, mut time_s) = (0.0, from_s);
+        while time_s < until_s {
+            let here = (norm_ut(time_s), time_s);
+            if here.0 > most.0 {
+                most = here;
+            }
+            steps += 1.0;
+            time_s = from_s + steps * step_s;
+        }
+        most
     };
     let (_, near_s) = search(0.0, end_s, PEAK_STEP_S);
     let (from_s, until_s) = ((near_s - PEAK_STEP_S).max(0.0), (near_s + PEAK_STEP_S).min(end_s));

@@ -44,7 +44,7 @@ impl SteelBody {
         let (_, yaw_rad) = self.course.pose(f64::NEG_INFINITY);
         let moment_a_m2 = self.moment_a_m2(earth, yaw_rad).norm();
         let now_ut = 2.0 * MU0_OVER_4PI * moment_a_m2 / cubed(distance_m);
-        self.scaled(field_ut, now_ut)
+        self.scaled("field_ut", field_ut, now_ut)
     }
 
     /// Made stronger or weaker so that the largest field that the sensor of `motion` meets, looked for in steps of 5 ms and
@@ -56,11 +56,11 @@ impl SteelBody {
         motion: &impl Motion,
     ) -> Result<Self, SimulationError> {
         let now_ut = largest_along(&self, earth, motion);
-        self.scaled(field_ut, now_ut)
+        self.scaled("peak_at_sensor_ut", field_ut, now_ut)
     }
 
-    fn scaled(mut self, wanted_ut: f64, now_ut: f64) -> Result<Self, SimulationError> {
-        check_within("peak_ut", wanted_ut, 0.0, 1e6, "0 to 1e6 µT")?;
+    fn scaled(mut self, name: &'static str, wanted_ut: f64, now_ut: f64) -> Result<Self, SimulationError> {
+        check_within(name, wanted_ut, 0.0, 1e6, "0 to 1e6 µT")?;
         let gain = wanted_ut / now_ut;
         if !gain.is_finite() {
             let expected = "a direction to make stronger: moment_a_m2 or induced_m3 above 0";
