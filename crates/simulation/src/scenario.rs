@@ -2,7 +2,7 @@
 //!
 //! Random draws come from `ChaCha8` seeded by the caller's `u64`: stream 0 for the IMU errors (order in
 //! [`crate::imu_errors`]), stream 1 for the variation of the walk (length at each inner footprint of a leg, then
-//! time and vigour of each stride). The same walk can therefore be had with other sensors and the same seed.
+//! time and vigour of each stride), stream 2 for the magnetometer ([`crate::magnetometer`]). The same walk can therefore be had with other sensors and the same seed.
 
 use crate::error::{SimulationError, check_within};
 use crate::foot_motion::FootWalk;

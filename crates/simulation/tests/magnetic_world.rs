@@ -176,7 +176,7 @@ fn a_body_is_as_strong_as_it_was_ordered() {
     let car = SteelBody::new(course, Vector3::new(250.0, 80.0, -400.0));
     let car = car.with_peak_along(&earth, 30.0, &walk).unwrap();
     let met = |step_s: f64| {
-        (0..)
+        (0..1_000_000)
             .map(|i| f64::from(i) * step_s)
             .take_while(|t| *t <= walk.duration_s())
             .map(|t| car.field_ut(&earth, &walk.at(t).position_m, t).norm())
