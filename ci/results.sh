@@ -6,7 +6,8 @@
 #   the block from `<!-- walks:begin -->` to `<!-- walks:end -->`: the simulated walk of system S2 over many seeds;
 #   the block from `<!-- steel:begin -->` to `<!-- steel:end -->`: what steel cars do to the field on the walk of system S3;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
-#   docs/results/steel-norm.svg, docs/results/steel-heading.svg.
+#   docs/results/steel-norm.svg, docs/results/steel-heading.svg,
+#   docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -15,7 +16,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure --example steel_figure
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example simulated_walks --example stance_figure --example steel_figure --example simulated_calibration
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
 # What could be measured is written even when a trial failed; the exit code tells.
@@ -30,6 +31,8 @@ cp "$fresh/trials.md" docs/results/trials.md
 
 mkdir "$fresh/here"
 ln -s "$PWD/scenarios" "$fresh/here/scenarios"
+ln -s "$ADIT_DATA" "$fresh/here/data"
+"$bin/examples/simulated_calibration" "$fresh/here"
 
 # What a command prints, without the lines that no two runs have in common.
 run() {
@@ -79,5 +82,7 @@ for page in $(grep -rlE --include='*.md' '^<!-- (results|loops|walks|steel|run):
     cp "$fresh/page" "$page"
     echo "results: wrote $page"
 done
+cp "$fresh/here/tumble.svg" docs/results/magnetometer.svg
+cp "$fresh/here/allan.svg" docs/results/allan.svg
 cat "$fresh/sets.md" "$fresh/loops.md"
 exit $complete

@@ -17,7 +17,7 @@ cd "$here"
 cargo build --release --target "$host"
 binaries=${CARGO_TARGET_DIR:-$here/target}/$host/release
 mkdir -p artifacts
-for target in log tum truth solution_csv sidecar; do
+for target in log sensor_rows tum truth solution_csv sidecar; do
     "$binaries/$target" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=1024 -print_final_stats=0 \
         -artifact_prefix=artifacts/$target- "corpus/$target"
 done

@@ -3,11 +3,12 @@
 //! The fuzz targets call them, and so does `crates/observation/tests/mutated_input.rs`, which needs nothing but
 //! stable Rust and runs with every `make test`.
 
+use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_observation::files::Input;
-use adit_observation::sidecar::Sidecar;
+use adit_observation::sidecar::{MagneticFieldReference, MagnetometerCalibration, Sidecar, SidecarEdit};
 use adit_observation::solution_csv::SolutionReader;
 use adit_observation::tum::TumReader;
-use adit_observation::{LogError, LogReader, ReadOptions, truth};
+use adit_observation::{ImuSpecification, LogError, LogReader, ReadOptions, SensorRows, truth};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -27,6 +28,21 @@ pub fn parse_log(bytes: &[u8]) -> Result<usize, LogError> {
         count += 1;
     }
     assert!(log.warnings().len() < 100, "warnings stay few");
+    Ok(count)
+}
+
+/// A log of any one sensor, as a calibration reads it. Gives the number of rows.
+pub fn parse_sensor_rows(bytes: &[u8]) -> Result<usize, LogError> {
+    let mut rows = SensorRows::from_input(Input::from_bytes(NAME, bytes)?)?;
+    let mut latest = None;
+    let mut count = 0;
+    for row in rows.by_ref() {
+        let time = row?.time;
+        assert!(latest.is_none_or(|latest| latest <= time), "rows come in order of time");
+        latest = Some(time);
+        count += 1;
+    }
+    assert!(rows.warnings().len() < 100, "warnings stay few");
     Ok(count)
 }
 
@@ -60,7 +76,35 @@ pub fn parse_sidecar(bytes: &[u8]) -> Result<usize, LogError> {
         let determinant = rotation.matrix().determinant();
         assert!((determinant - 1.0).abs() < 1e-9, "mountings are proper rotations, found {determinant}");
     }
+    edit_sidecar(bytes, &sidecar);
     Ok(usize::from(sidecar.mounting.rotation.is_some()) + usize::from(sidecar.mounting.location.is_some()))
+}
+
+/// Whatever a valid sidecar looks like, it can be completed, and says afterwards what was set and what it said before.
+fn edit_sidecar(bytes: &[u8], before: &Sidecar) {
+    let path = Path::new(NAME);
+    let mut edit = SidecarEdit::parse(path, bytes).unwrap();
+    let calibration =
+        MagnetometerCalibration::new(Vector3::new(1.5, -2.0, 0.25), Matrix3::identity()).unwrap();
+    let field = MagneticFieldReference { norm_ut: Some(49.5), dip_deg: Some(66.0) };
+    let noise = ImuSpecification {
+        angle_random_walk_rad_sqrt_s: 1e-4,
+        velocity_random_walk_m_s_sqrt_s: 1e-3,
+        gyro_bias_walk_rad_s_sqrt_s: 1e-6,
+        acc_bias_walk_m_s2_sqrt_s: 1e-5,
+    };
+    edit.set_magnetometer(&calibration);
+    edit.set_magnetic_field(&field);
+    edit.set_declination_deg(-3.5);
+    edit.set_noise(&noise);
+    let text = edit.text().unwrap();
+    let after = Sidecar::parse(&Arc::from(path), text.as_bytes()).unwrap();
+    let mut expected = before.clone();
+    expected.magnetometer = Some(calibration);
+    expected.magnetic_field = field;
+    expected.frame.magnetic_declination_deg = Some(-3.5);
+    expected.noise = Some(noise);
+    assert!(after == expected, "an edit changes what it says and nothing else");
 }
 
 /// What every error must be: one line that starts with the name of the file.

@@ -1,5 +1,9 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
+mod calibrate;
+
+pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
+
 use crate::method::MethodName;
 use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
@@ -71,20 +75,16 @@ impl Adit {
     /// The command line of this process, checked beyond what a single flag can say of itself.
     pub fn from_command_line() -> Result<Self, UsageError> {
         let args = Self::try_parse()?;
-        if let Verb::Track(TrackArgs { out: Target::Stdout, json: Some(Target::Stdout), .. }) = args.verb {
+        let twice = match &args.verb {
+            Verb::Track(TrackArgs { out, json, .. }) => {
+                out == &Target::Stdout && json.as_ref() == Some(&Target::Stdout)
+            }
+            Verb::Calibrate(CalibrateArgs { what }) => what.takes_stdout_twice(),
+            _ => false,
+        };
+        if twice {
             let what = "-o and --json cannot both go to stdout";
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
-        }
-        if let Verb::Track(TrackArgs { method, smooth, lag, .. }) = args.verb {
-            let over = match () {
-                () if smooth && !method.has_whole_log() => Some("--smooth"),
-                () if lag.is_some() && !method.has_fixed_lag() => Some("--lag"),
-                () => None,
-            };
-            if let Some(flag) = over {
-                let what = format!("{} has no smoother: {flag} cannot be used with it", method.name());
-                return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
-            }
         }
         Ok(args)
     }
@@ -101,6 +101,8 @@ pub enum Verb {
     Track(TrackArgs),
     /// Judge an estimated path against the truth
     Eval(EvalArgs),
+    /// Learn the errors of a sensor from its own recording
+    Calibrate(CalibrateArgs),
 }
 
 /// `adit demo`.

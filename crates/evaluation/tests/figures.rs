@@ -10,8 +10,9 @@ use adit_core::time::Time;
 use adit_core::trajectory::{Pose, Trajectory};
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::plot::{
-    DistributionCurve, MAX_POINTS, PathCurve, Role, TimeCurve, distribution_figure, evaluation_figure,
-    path_figure, time_figure,
+    AllanAxis, AllanPanel, AllanParts, DistributionCurve, MAX_POINTS, MagneticCloud, PathCurve, Role,
+    TimeCurve, allan_figure, distribution_figure, evaluation_figure, magnetometer_figure, path_figure,
+    time_figure,
 };
 use adit_evaluation::statistics::Distribution;
 use adit_evaluation::{EvaluationError, EvaluationOptions, evaluate};
@@ -184,4 +185,61 @@ fn the_same_input_gives_the_same_bytes() {
     let figure =
         || path_figure(&[PathCurve { label: "a", role: Role::Truth, trajectory: &walk }], "twice").unwrap();
     assert_eq!(figure(), figure());
+}
+
+/// A magnetometer with an offset, turned every way.
+fn cloud(samples: u32) -> (Vec<f64>, Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let field = |i: u32| {
+        let (a, b) = (f64::from(i) * 0.031, f64::from(i) * 0.0071);
+        [50.0 * a.cos() * b.sin(), 50.0 * a.sin() * b.sin(), 50.0 * b.cos()]
+    };
+    let calibrated: Vec<[f64; 3]> = (0..samples).map(field).collect();
+    let raw = calibrated.iter().map(|[x, y, z]| [1.2 * x - 15.0, y + 20.0, 0.9 * z]).collect();
+    ((0..samples).map(|i| f64::from(i) * 0.01).collect(), raw, calibrated)
+}
+
+#[test]
+fn a_calibration_shows_before_and_after() {
+    let none = MagneticCloud { time_s: &[], raw_ut: &[], calibrated_ut: &[], norm_ut: 50.0 };
+    assert!(matches!(magnetometer_figure(&none, ""), Err(EvaluationError::TooFewPoses { .. })));
+    let zero =
+        MagneticCloud { time_s: &[0.0], raw_ut: &[[0.0; 3]], calibrated_ut: &[[0.0; 3]], norm_ut: 50.0 };
+    assert_sound(&magnetometer_figure(&zero, "").unwrap());
+    for samples in [1, 2, 300, 200_000] {
+        let (time_s, raw_ut, calibrated_ut) = cloud(samples);
+        let cloud =
+            MagneticCloud { time_s: &time_s, raw_ut: &raw_ut, calibrated_ut: &calibrated_ut, norm_ut: 50.0 };
+        let svg = magnetometer_figure(&cloud, "tag 7").unwrap();
+        keep(&format!("magnetometer-{samples}"), &svg);
+        assert_sound(&svg);
+        for shown in ["raw, sd", "calibrated, sd", "x–y plane", "y–z plane", "deviation (%)"] {
+            assert!(svg.contains(shown), "{shown}");
+        }
+        assert!(svg.len() < 600_000, "{} bytes", svg.len());
+    }
+}
+
+#[test]
+fn an_allan_deviation_shows_curve_and_parts_by_decades() {
+    let parts = AllanParts { quantisation: 1e-6, white: 1e-4, instability: 0.0, walk: 2e-6 };
+    let curve = (0..40)
+        .map(|i| {
+            let tau = 0.01 * 2_f64.powf(f64::from(i) * 0.25);
+            let deviation = (1e-8 / tau + 4e-12 * tau / 3.0).sqrt();
+            // As far as the whole deviation: a bar that reaches zero has no logarithm.
+            (tau, deviation, deviation * f64::from(i) / 39.0)
+        })
+        .collect();
+    let axes = vec![AllanAxis { name: "x", curve, parts }];
+    let panel = |heading| AllanPanel { heading, unit: "rad/s", axes: axes.clone() };
+    let svg = allan_figure(&[panel("Gyro"), panel("Accelerometer")], "rest").unwrap();
+    keep("allan", &svg);
+    assert_sound(&svg);
+    for shown in ["Allan deviation (rad/s)", "averaging time (s)", "10⁻⁴", "10⁰", "Gyro", "Accelerometer"]
+    {
+        assert!(svg.contains(shown), "{shown}");
+    }
+    // Nothing to draw is an error, not a panic.
+    let empty = AllanPanel { heading: "Gyro", unit: "rad/s", axes: Vec::new() };
+    assert!(matches!(allan_figure(&[empty], "rest"), Err(EvaluationError::Plot { .. })));
 }

@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | log as CSV with units in the header, plain or gzip | [`csv_log`] | yes | yes |
 //! | log as MCAP with protobuf schemas | [`mcap_log`] | yes | yes |
-//! | sidecar of a log: mounting, frames, noise | [`sidecar`] | yes | – |
+//! | sidecar of a log: mounting, frames, noise, calibration | [`sidecar`] | yes | yes |
 //! | trajectory as TUM text | [`tum`] | yes | yes |
 //! | truth as CSV | [`truth`] | yes | – |
 //! | solutions with covariance as CSV | [`solution_csv`] | yes | yes |
@@ -27,6 +27,8 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! A calibration, which wants what each sensor said before any sidecar, reads [`SensorRows`].
 //!
 //! Parsers take any [`std::io::Read`] and do no other I/O; every file is written beside its target and renamed when
 //! complete, so that none is ever left half written.
@@ -49,6 +51,8 @@ pub mod order;
 #[cfg(feature = "std")]
 pub mod plausibility;
 #[cfg(feature = "std")]
+mod sensor_rows;
+#[cfg(feature = "std")]
 pub mod sidecar;
 #[cfg(feature = "std")]
 pub mod solution_csv;
@@ -66,6 +70,8 @@ pub use error::{At, LogError, Place};
 pub use imu::{ImuSample, ImuSpecification, MagneticSample, Observation};
 #[cfg(feature = "std")]
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
+#[cfg(feature = "std")]
+pub use sensor_rows::SensorRows;
 #[cfg(feature = "std")]
 pub use source::LogSource;
 #[cfg(feature = "std")]

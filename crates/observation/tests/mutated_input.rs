@@ -11,7 +11,9 @@ mod parsers;
 use adit_observation::LogError;
 use adit_observation::mcap_log::Packing;
 use common::{csv_log, gzip, mcap, read_all};
-use parsers::{check, parse_log, parse_sidecar, parse_solution_csv, parse_truth, parse_tum};
+use parsers::{
+    check, parse_log, parse_sensor_rows, parse_sidecar, parse_solution_csv, parse_truth, parse_tum,
+};
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use std::fmt::Write;
@@ -114,6 +116,18 @@ fn csv_logs() {
 }
 
 #[test]
+fn logs_of_one_sensor() {
+    let force = b"time_s,acc_x_g,acc_y_g,acc_z_g\n0,0,0,1\n0.01,0,0.5,1\n0.02,0,0,1\n";
+    let mixed = b"time_ms,gyro_x_deg_s,gyro_y_deg_s,gyro_z_deg_s,mag_x_nT,mag_y_nT,mag_z_nT\n0,1,2,3,,,\n10,1,2,3,4,5,6\n";
+    let observations = read_all("seed.csv", csv_log(20).as_bytes()).unwrap().0;
+    drive(
+        "sensor_rows",
+        parse_sensor_rows,
+        &[force.to_vec(), mixed.to_vec(), mcap(&observations, Packing::Plain)],
+    );
+}
+
+#[test]
 fn gzip_logs() {
     drive("log gzip", parse_log, &[gzip(csv_log(60).as_bytes()), gzip(csv_log(2).as_bytes())]);
 }
@@ -204,5 +218,7 @@ fn sidecar_files() {
                 [noise]\nangle_random_walk_rad_sqrt_s = 1e-4\nvelocity_random_walk_m_s_sqrt_s = 1e-3\ngyro_bias_walk_rad_s_sqrt_s = 1e-6\nacc_bias_walk_m_s2_sqrt_s = 1e-5\n";
     let matrix = "[mounting]\nrotation = [[1, 0, 0], [0, -1, 0], [0, 0, -1]]\n";
     let quaternion = "[mounting]\nrotation = [0.6, 0, 0, 0.8]\n";
-    drive("sidecar", parse_sidecar, &[full.into(), matrix.into(), quaternion.into()]);
+    let calibrated = "mounting.location = \"foot\"\nmagnetic_field = { norm_ut = 49.5, dip_deg = 66 }\nframe = { magnetic_declination_deg = 3 }\n\
+                      [magnetometer] # tumbled\noffset_ut = [1, -2.5, 3e0] # hard\nmatrix = [[1, 0, 0], [0, 1.1, 0], [0, 0, 0.9]]\n";
+    drive("sidecar", parse_sidecar, &[full.into(), matrix.into(), quaternion.into(), calibrated.into()]);
 }

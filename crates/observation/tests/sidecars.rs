@@ -1,8 +1,10 @@
 //! Sidecars: found beside the log, applied to its samples, refused with file and line.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use adit_core::nalgebra::Vector3;
-use adit_observation::sidecar::{Location, Sidecar};
+use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_observation::sidecar::{
+    Location, MagneticFieldReference, MagnetometerCalibration, Sidecar, SidecarEdit,
+};
 use adit_observation::{Observation, open};
 use std::path::Path;
 use std::sync::Arc;
@@ -27,7 +29,8 @@ fn the_documented_example_parses() {
     let sidecar = parse(&example).unwrap();
     assert_eq!(sidecar.rate_hz, Some(200.0));
     assert_eq!(sidecar.mounting.location, Some(Location::Foot));
-    assert!(sidecar.noise.is_some());
+    assert!(sidecar.noise.is_some() && sidecar.magnetometer.is_some());
+    assert_eq!(sidecar.magnetic_field.dip_deg, Some(67.1));
     assert_eq!(parse("").unwrap(), Sidecar::default());
 }
 
@@ -120,4 +123,126 @@ fn two_sidecars_are_an_error() {
     std::fs::write(folder.path().join("walk_imu.toml"), "").unwrap();
     std::fs::write(folder.path().join("walk_imu.csv.toml"), "").unwrap();
     assert!(open(&log).err().unwrap().to_string().contains("this log has two sidecars"));
+}
+
+const CALIBRATION: &str =
+    "[magnetometer]\noffset_ut = [1.0, -2.0, 3.0]\nmatrix = [[2, 0, 0], [0, 1, 0.5], [0, 0, 1]]\n";
+
+#[test]
+fn the_magnetometer_is_calibrated_before_it_is_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("walk_imu.csv");
+    std::fs::write(&log, LOG).unwrap();
+    let text = format!("[mounting]\nrotation = \"x-forward, y-right, z-down\"\n{CALIBRATION}");
+    std::fs::write(folder.path().join("walk_imu.toml"), text).unwrap();
+    let observations = open(&log).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    let Observation::Magnetic(magnetic) = observations[1] else { panic!("{observations:?}") };
+    // Reading (10, 20, 30) less the offset: (9, 22, 27); times the matrix: (18, 35.5, 27); then half a turn about x.
+    assert_eq!(magnetic.field_ut, Vector3::new(18.0, -35.5, -27.0));
+    assert!(!parse(CALIBRATION).unwrap().leaves_samples_alone());
+}
+
+#[test]
+fn a_calibration_that_cannot_be_is_refused() {
+    for (text, error) in [
+        ("[magnetometer]\noffset_ut = [1, 2]\nmatrix = [[1,0,0],[0,1,0],[0,0,1]]\n", "w.toml:2: "),
+        ("[magnetometer]\noffset_ut = [1, 2, 3]\n", "w.toml:1: missing field `matrix`"),
+        (
+            "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[1,0,0],[0,1,0],[1,1,0]]\n",
+            "w.toml:1: found a matrix with axes of length ",
+        ),
+        (
+            "[magnetometer]\noffset_ut = [0, nan, 0]\nmatrix = [[1,0,0],[0,1,0],[0,0,1]]\n",
+            "w.toml:1: found NaN",
+        ),
+        (
+            "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[inf,0,0],[0,1,0],[0,0,1]]\n",
+            "w.toml:1: found inf",
+        ),
+        (
+            "[magnetometer]\noffset_ut = [0, 0, 0]\nmatrix = [[0,0,0],[0,0,0],[0,0,0]]\n",
+            "w.toml:1: found a matrix",
+        ),
+        ("[magnetic_field]\nnorm_ut = -1\n", "w.toml:2: found -1, expected a number above 0"),
+        ("[magnetic_field]\ndip_deg = 91\n", "w.toml:2: found 91, expected a dip from -90 to 90"),
+        ("[magnetic_field]\ndeclination = 3\n", "w.toml:2: unknown field `declination`"),
+    ] {
+        let found = parse(text).unwrap_err();
+        assert!(found.starts_with(error), "{found}\n{error}");
+        assert!(!found.contains('\n'), "{found}");
+    }
+}
+
+#[test]
+fn an_edit_keeps_what_it_does_not_change() {
+    let before = "# tag 7, left boot\nrate_hz = 200.0   # nominal\n\n[mounting]\nlocation = \"foot\"\n\n[magnetometer]  # last spring\n\
+                  offset_ut = [1.0, 2.0, 3.0]  # hard iron\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n\n[frame]\nmagnetic_declination_deg = 3.2 # mine office\n";
+    let mut edit = SidecarEdit::parse(Path::new("w.toml"), before.as_bytes()).unwrap();
+    let calibration =
+        MagnetometerCalibration::new(Vector3::new(-1.5, 20.25, 1e-7), Matrix3::identity() * 1.25).unwrap();
+    edit.set_magnetometer(&calibration);
+    edit.set_declination_deg(4.0);
+    edit.set_magnetic_field(&MagneticFieldReference { norm_ut: Some(49.5), dip_deg: None });
+    let after = edit.text().unwrap();
+    for kept in [
+        "# tag 7, left boot\n",
+        "rate_hz = 200.0   # nominal\n",
+        "location = \"foot\"\n",
+        "[magnetometer]  # last spring\n",
+        "# hard iron\n",
+    ] {
+        assert!(after.contains(kept), "{after}");
+    }
+    assert!(after.contains("magnetic_declination_deg = 4.0 # mine office\n"), "{after}");
+    let sidecar = parse(&after).unwrap();
+    assert_eq!(sidecar.magnetometer, Some(calibration));
+    assert_eq!(sidecar.magnetic_field, MagneticFieldReference { norm_ut: Some(49.5), dip_deg: None });
+    assert_eq!(sidecar.rate_hz, Some(200.0));
+    // The same edit again changes nothing.
+    let mut again = SidecarEdit::parse(Path::new("w.toml"), after.as_bytes()).unwrap();
+    again.set_magnetometer(&calibration);
+    again.set_declination_deg(4.0);
+    assert_eq!(again.text().unwrap(), after);
+}
+
+#[test]
+fn an_edit_finds_tables_however_they_are_written() {
+    let noise = adit_observation::ImuSpecification {
+        angle_random_walk_rad_sqrt_s: 8.7e-5,
+        velocity_random_walk_m_s_sqrt_s: 9.8e-4,
+        gyro_bias_walk_rad_s_sqrt_s: 1e-6,
+        acc_bias_walk_m_s2_sqrt_s: 0.0,
+    };
+    for before in [
+        "",
+        "frame.magnetic_declination_deg = 1.0\n",
+        "frame = { magnetic_declination_deg = 1.0 }\n",
+        "[noise]\nangle_random_walk_rad_sqrt_s = 1.0\nvelocity_random_walk_m_s_sqrt_s = 1.0\ngyro_bias_walk_rad_s_sqrt_s = 1.0\nacc_bias_walk_m_s2_sqrt_s = 1.0",
+    ] {
+        let mut edit = SidecarEdit::parse(Path::new("w.toml"), before.as_bytes()).unwrap();
+        edit.set_noise(&noise);
+        edit.set_declination_deg(-7.5);
+        let sidecar = parse(&edit.text().unwrap()).unwrap();
+        assert_eq!(sidecar.noise, Some(noise), "{before}");
+        assert_eq!(sidecar.frame.magnetic_declination_deg, Some(-7.5), "{before}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_sidecar_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("notes.toml");
+    std::fs::write(&path, "title = \"my notes\"\n").unwrap();
+    assert!(
+        SidecarEdit::open(&path).unwrap_err().to_string().contains("notes.toml:1: unknown field `title`")
+    );
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "title = \"my notes\"\n");
+    // Where there is none, one is made, whole.
+    let fresh = folder.path().join("tag.toml");
+    let mut edit = SidecarEdit::open(&fresh).unwrap();
+    edit.set_declination_deg(3.0);
+    assert!(!fresh.exists());
+    edit.write().unwrap();
+    assert_eq!(Sidecar::read(&fresh).unwrap().frame.magnetic_declination_deg, Some(3.0));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }

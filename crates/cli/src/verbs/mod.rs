@@ -1,5 +1,6 @@
 //! One file per verb.
 
+mod calibrate;
 mod demo;
 mod eval;
 mod simulate;
@@ -15,5 +16,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Simulate(args) => simulate::run(args),
         Verb::Track(args) => track::run(args),
         Verb::Eval(args) => eval::run(args),
+        Verb::Calibrate(args) => calibrate::run(args),
     }
 }

@@ -113,11 +113,29 @@ impl<'b> Frame<'b> {
         self.chart_with_ticks(x, y, X_TICK_EVERY_PX)
     }
 
+    /// Draws logarithmic axes: ranges and points are common logarithms, ticks are powers of ten.
+    pub fn decades(&self, x: &Axis, y: &Axis) -> Result<Chart<'_, 'b>, EvaluationError> {
+        self.chart_on(x, y, &Scale::decades(&x.range), &Scale::decades(&y.range))
+    }
+
     fn chart_with_ticks(
         &self,
         x: &Axis,
         y: &Axis,
         y_tick_every_px: f64,
+    ) -> Result<Chart<'_, 'b>, EvaluationError> {
+        let (width, height) = self.plot_px();
+        let (x_scale, y_scale) =
+            (Scale::over(&x.range, width / X_TICK_EVERY_PX), Scale::over(&y.range, height / y_tick_every_px));
+        self.chart_on(x, y, &x_scale, &y_scale)
+    }
+
+    fn chart_on(
+        &self,
+        x: &Axis,
+        y: &Axis,
+        x_scale: &Scale,
+        y_scale: &Scale,
     ) -> Result<Chart<'_, 'b>, EvaluationError> {
         for axis in [x, y] {
             let span = axis.range.end - axis.range.start;
@@ -129,9 +147,6 @@ impl<'b> Frame<'b> {
                 return Err(EvaluationError::Plot { reason });
             }
         }
-        let (width, height) = self.plot_px();
-        let (x_scale, y_scale) =
-            (Scale::over(&x.range, width / X_TICK_EVERY_PX), Scale::over(&y.range, height / y_tick_every_px));
         let mut chart = ChartBuilder::on(&self.body)
             .margin_right(units(RIGHT_PX))
             .margin_bottom(units(FOOT_PX))
@@ -217,12 +232,13 @@ fn draw_entry(head: &Area<'_>, entry: &Entry, x: i32, y: i32) -> Result<(), Eval
     Ok(())
 }
 
-/// A linear axis with ticks at round values.
+/// A linear axis with ticks at round values, or one of logarithms with ticks at powers of ten.
 #[derive(Debug, Clone)]
 pub struct Scale {
     range: Range<f64>,
     ticks: Vec<f64>,
     decimals: usize,
+    decades: bool,
 }
 
 impl Scale {
@@ -232,10 +248,22 @@ impl Scale {
         let first = (range.start / step).ceil();
         // A step is 1/30 of an axis at least, at the sizes figures have.
         let ticks = (0..40).map(|i| (first + f64::from(i)) * step).take_while(|v| *v <= range.end).collect();
-        Self { range: range.clone(), ticks, decimals: decimals(step) }
+        Self { range: range.clone(), ticks, decimals: decimals(step), decades: false }
+    }
+
+    /// Every power of ten in a range of logarithms.
+    fn decades(range: &Range<f64>) -> Self {
+        let first = range.start.ceil();
+        // No figure spans 40 powers of ten.
+        let ticks = (0..40).map(|i| first + f64::from(i)).take_while(|v| *v <= range.end).collect();
+        Self { range: range.clone(), ticks, decimals: 0, decades: true }
     }
 
     fn label(&self, value: f64) -> String {
+        if self.decades {
+            let digits = format!("{value:.0}");
+            return format!("10{}", digits.chars().map(superscript).collect::<String>());
+        }
         let shown = format!("{:.*}", self.decimals, value.abs());
         // No minus before a zero.
         let negative = value < 0.0 && shown.contains(|c: char| ('1'..='9').contains(&c));
@@ -277,6 +305,16 @@ fn decimals(step: f64) -> usize {
     decimals
 }
 
+/// A digit or minus as an exponent; anything else as it is.
+fn superscript(c: char) -> char {
+    let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    match c.to_digit(10).and_then(|d| digits.get(d as usize)) {
+        Some(digit) => *digit,
+        None if c == '-' => '⁻',
+        None => c,
+    }
+}
+
 fn plain(round: f64) -> String {
     format!("{round:.*}", decimals(round))
 }
@@ -297,6 +335,13 @@ mod tests {
         let scale = Scale::over(&(-0.11..0.13), 6.0);
         let labels: Vec<String> = scale.ticks.iter().map(|v| scale.label(*v)).collect();
         assert_eq!(labels, ["−0.10", "−0.05", "0.00", "0.05", "0.10"]);
+    }
+
+    #[test]
+    fn decades_are_powers_of_ten() {
+        let scale = Scale::decades(&(-3.2..0.4));
+        let labels: Vec<String> = scale.ticks.iter().map(|v| scale.label(*v)).collect();
+        assert_eq!(labels, ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
     }
 
     #[test]

@@ -6,15 +6,19 @@
 //!
 //! Text stays text (`<text>`, sans-serif of the viewer), so its width is guessed with room to spare.
 
+mod allan;
 mod axes;
 mod canvas;
 mod curves;
+mod magnetometer;
 mod path;
 mod thin;
 
 use crate::statistics::Distribution;
 use crate::{Evaluation, EvaluationError};
 use adit_core::trajectory::Trajectory;
+pub use allan::{AllanAxis, AllanPanel, AllanParts, allan_figure};
+pub use magnetometer::{MagneticCloud, magnetometer_figure};
 pub use thin::MAX_POINTS;
 
 /// What a curve stands for; it decides colour and weight.

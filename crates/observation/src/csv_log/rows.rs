@@ -27,7 +27,7 @@ pub struct Row {
 /// Reads a sensor log row by row, any sensor missing or not; order and units are not checked here.
 ///
 /// This is for logs that are no inertial log: an accelerometer or a magnetometer alone. Everyone else
-/// wants [`crate::open`].
+/// wants [`crate::open`], a calibration [`crate::SensorRows`].
 pub struct RowReader {
     table: Table,
     header: Header,

@@ -21,13 +21,26 @@
 //! velocity_random_walk_m_s_sqrt_s = 9.8e-4
 //! gyro_bias_walk_rad_s_sqrt_s = 1e-6
 //! acc_bias_walk_m_s2_sqrt_s = 1e-5
+//!
+//! [magnetometer]                         # field = matrix · (reading − offset), sensor axes
+//! offset_ut = [-0.6, -10.5, 2.0]         # hard iron
+//! matrix = [[1.05, 0.01, 0.0], [0.01, 0.98, 0.0], [0.0, 0.0, 1.02]]   # soft iron, scale, axes of the inertial sensor
+//!
+//! [magnetic_field]                       # the undisturbed field of the site
+//! norm_ut = 49.6
+//! dip_deg = 67.1                         # below the horizontal
 //! ```
 //!
-//! The body frame is x forward, y left, z up. The log reader applies `rotation` and `acceleration` to every
-//! sample; without them a sample passes bit for bit.
+//! The body frame is x forward, y left, z up. The log reader applies `rotation`, `acceleration` and `[magnetometer]` to
+//! every sample, the calibration before the rotation; without them a sample passes bit for bit. [`SidecarEdit`] writes what
+//! a calibration has found.
 
+mod edit;
+mod magnetometer;
 mod rotation;
 
+pub use edit::SidecarEdit;
+pub use magnetometer::{MagneticFieldReference, MagnetometerCalibration};
 pub use rotation::MountingRotation;
 
 use crate::error::{At, LogError, Place};
@@ -57,6 +70,12 @@ pub struct Sidecar {
     /// Noise of the inertial sensor.
     #[serde(default, deserialize_with = "noise")]
     pub noise: Option<ImuSpecification>,
+    /// Hard and soft iron of the magnetometer.
+    #[serde(default)]
+    pub magnetometer: Option<MagnetometerCalibration>,
+    /// The undisturbed field where the log was made.
+    #[serde(default)]
+    pub magnetic_field: MagneticFieldReference,
 }
 
 /// Where and how the sensor sits.
@@ -149,19 +168,15 @@ impl Sidecar {
     /// Reads a sidecar file.
     pub fn read(path: &Path) -> Result<Self, LogError> {
         let io = |source| LogError::Io { file: path.to_path_buf(), doing: "read it", source };
-        let mut text = Vec::new();
         let file = std::fs::File::open(path).map_err(io)?;
-        file.take(LARGEST + 1).read_to_end(&mut text).map_err(io)?;
-        if text.len() as u64 > LARGEST {
-            let what = format!("longer than {LARGEST} bytes: not a sidecar");
-            return Err(LogError::Sidecar { place: Place::file(path), what });
-        }
-        Self::parse(&Arc::from(path), &text)
+        Self::parse(&Arc::from(path), &text_of(path, file)?)
     }
 
     /// True when [`Self::apply`] changes nothing.
     pub fn leaves_samples_alone(&self) -> bool {
-        self.mounting.rotation.is_none() && self.frame.acceleration == AccelerationSign::SpecificForce
+        self.mounting.rotation.is_none()
+            && self.frame.acceleration == AccelerationSign::SpecificForce
+            && self.magnetometer.is_none()
     }
 
     /// A sample as the sensor gave it, turned into body axes and into specific force.
@@ -178,11 +193,27 @@ impl Sidecar {
                 Observation::Imu(sample)
             }
             Observation::Magnetic(mut sample) => {
-                sample.field_ut = turn(sample.field_ut);
+                let field_ut = self.magnetometer.map_or(sample.field_ut, |m| m.field_ut(&sample.field_ut));
+                sample.field_ut = turn(field_ut);
                 Observation::Magnetic(sample)
             }
         }
     }
+}
+
+/// The bytes of a sidecar, as many as one can have.
+fn text_of(path: &Path, file: std::fs::File) -> Result<Vec<u8>, LogError> {
+    let mut text = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut text).map_err(|source| LogError::Io {
+        file: path.to_path_buf(),
+        doing: "read it",
+        source,
+    })?;
+    if text.len() as u64 > LARGEST {
+        let what = format!("longer than {LARGEST} bytes: not a sidecar");
+        return Err(LogError::Sidecar { place: Place::file(path), what });
+    }
+    Ok(text)
 }
 
 /// `walk_imu.csv.gz` → `walk_imu.csv.gz.toml`, `walk_imu.toml`.
@@ -198,7 +229,7 @@ fn candidates(log: &Path) -> Vec<PathBuf> {
     names
 }
 
-fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+pub(crate) fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let value = f64::deserialize(deserializer)?;
     if value > 0.0 && value.is_finite() {
         return Ok(Some(value));
@@ -206,7 +237,7 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D
     Err(D::Error::custom(format!("found {value}, expected a number above 0")))
 }
 
-fn finite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+pub(crate) fn finite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let value = f64::deserialize(deserializer)?;
     if value.is_finite() {
         return Ok(Some(value));

@@ -1,0 +1,20 @@
+//! Calibration fits: what a sensor's own recordings tell about its errors.
+//!
+//! | fit | module | in → out |
+//! |---|---|---|
+//! | hard and soft iron, axes | [`magnetometer`] | a tumble in a constant field → offset, matrix, how sure |
+//! | white noise, bias instability, random walk | [`noise`] | a sensor at rest → Allan deviation, densities |
+//! | declination, dip, strength of the Earth's field | [`geomagnetic`] | place and day → World Magnetic Model |
+//!
+//! Readings come in as [`Series`], in sensor axes and SI units (field in µT), before any sidecar. What comes out fits into a sidecar
+//! ([`adit_observation::sidecar`]). Nothing here reads or writes files; memory is that of the readings and a few numbers for each.
+
+mod error;
+pub mod geomagnetic;
+pub mod magnetometer;
+pub mod noise;
+mod robust;
+mod series;
+
+pub use error::TuningError;
+pub use series::Series;
