@@ -15,6 +15,8 @@ use std::path::Path;
 pub enum MethodName {
     /// Inertial sensor on the foot: zero velocity whenever the foot stands; no infrastructure
     FootIns,
+    /// Inertial sensor and magnetometer on the foot: as foot-ins, heading by the field where it is undisturbed
+    MargIns,
 }
 
 /// Evaluates an expression in which `$settings` is the type of the settings of the method of that name.
@@ -23,6 +25,10 @@ macro_rules! with_settings {
         match $name {
             $crate::method::MethodName::FootIns => {
                 type $settings = adit_estimation::methods::foot_ins::FootInsParams;
+                $body
+            }
+            $crate::method::MethodName::MargIns => {
+                type $settings = adit_estimation::methods::marg_ins::MargInsParams;
                 $body
             }
         }
@@ -49,8 +55,8 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (Self::FootIns, None | Some(Location::Foot)) => None,
-            (Self::FootIns, Some(other)) => {
+            (_, None | Some(Location::Foot)) => None,
+            (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
             }
@@ -68,6 +74,7 @@ fn known(sidecar: &Sidecar) -> Known {
     Known {
         specification: sidecar.noise,
         declination_rad: sidecar.frame.magnetic_declination_deg.map(f64::to_radians),
+        field: None,
     }
 }
 

@@ -11,8 +11,8 @@ fn run(args: &[&str]) -> Outcome {
 
 #[test]
 fn wrong_usage_is_one_line_and_exit_code_2() {
-    let cases: [(&[&str], &str); 8] = [
-        (&["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"], "[possible values: foot-ins]"),
+    let cases: [(&[&str], &str); 10] = [
+        (&["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"], "[possible values: foot-ins, marg-ins]"),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
         (
@@ -21,6 +21,14 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
         ),
         (&["track", "a", "--method", "foot-ins", "-o", "b", "--lag", "3", "--smooth"], "cannot be used with"),
         (&["track", "a", "--method", "foot-ins", "-o", "-", "--json", "-"], "cannot both go to stdout"),
+        (
+            &["track", "a", "--method", "marg-ins", "-o", "b", "--lag", "3"],
+            "marg-ins has no smoother: --lag cannot be used with it",
+        ),
+        (
+            &["track", "a", "--method", "marg-ins", "-o", "b", "--smooth"],
+            "marg-ins has no smoother: --smooth cannot be used with it",
+        ),
         (&["eval", "a", "--truth", "b", "--align", "sim3"], "expected none, start, se2 or se3"),
         (&["dig"], "unrecognized subcommand 'dig'"),
     ];

@@ -2,6 +2,7 @@
 //!
 //! - [`kalman`]: what every filter shares: the measurement model and its [`kalman::Innovation`].
 //! - [`inertial`]: alignment at rest, strapdown integration, the error-state filter and its smoother.
+//! - [`magnetic`]: the field as a compass, and when not to believe it.
 //! - [`pedestrian`]: what is true of people: when a foot stands still.
 //! - [`methods`]: the published systems and adit's own, each readable whole in one file.
 //!
@@ -12,5 +13,7 @@ extern crate alloc;
 
 pub mod inertial;
 pub mod kalman;
+pub mod magnetic;
 pub mod methods;
 pub mod pedestrian;
+mod settings;

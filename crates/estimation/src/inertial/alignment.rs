@@ -4,6 +4,7 @@
 //! is mounted; the levelled magnetic field gives the heading, plus declination. Without a magnetometer the body's x
 //! axis is taken as north: the frame is then turned by an unknown angle, constant over the log.
 
+use crate::magnetic::heading::{LevelField, tilt_compensated};
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
 use adit_observation::{ImuSample, MagneticSample};
@@ -43,8 +44,8 @@ pub struct Aligned {
     pub gyro_bias_rad_s: Vector3<f64>,
     /// True when the body was at rest.
     pub at_rest: bool,
-    /// True when the heading came from the magnetometer.
-    pub magnetic: bool,
+    /// The magnetic field that gave the heading; `None` without a magnetometer, where x counts as north.
+    pub field: Option<LevelField>,
 }
 
 impl RestAlignment {
@@ -76,16 +77,17 @@ impl RestAlignment {
         let rate_spread = libm::sqrt((self.rate_squared_sum / count - mean_rate.norm_squared()).max(0.0));
         let quiet = rate_spread < QUIET_RATE_RAD_S && mean_rate.amax() < LARGEST_BIAS_RAD_S;
 
-        let facing_north = attitude::level(&force, 0.0)?;
-        let field = facing_north * self.field_sum;
-        let magnetic = self.fields > 0 && field.xy().norm_squared() > 0.0;
-        let heading = if magnetic { declination_rad - libm::atan2(field.x, field.y) } else { 0.0 };
+        let mean_field = self.field_sum / f64::from(self.fields.max(1));
+        let compass = tilt_compensated(&force, &mean_field, declination_rad);
         Some(Aligned {
-            attitude: attitude::level(&force, heading)?,
+            attitude: match &compass {
+                Some(compass) => compass.attitude,
+                None => attitude::level(&force, 0.0)?,
+            },
             force_m_s2: libm::sqrt(force.norm_squared()),
             gyro_bias_rad_s: if quiet { mean_rate } else { Vector3::zeros() },
             at_rest: deviation < REST_FORCE_M_S2 && rate < REST_RATE_RAD_S,
-            magnetic,
+            field: compass.map(|compass| compass.field),
         })
     }
 }

@@ -5,11 +5,12 @@ use crate::inertial::covariance::{
 };
 use crate::inertial::strapdown::{Increment, NavigationState, Step};
 use crate::kalman::{Derivative, Innovation, MeasurementModel};
+use crate::settings::{first_unusable, not_negative, positive};
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
 use adit_core::time::Time;
-use adit_observation::ImuSample;
+use adit_observation::{ImuSample, ImuSpecification};
 use serde::{Deserialize, Serialize};
 
 /// Everything that the filter estimates.
@@ -143,8 +144,32 @@ pub struct SensorNoise {
 }
 
 impl SensorNoise {
+    /// The first setting that cannot be worked with, by name.
+    pub(crate) fn unusable(&self) -> Option<&'static str> {
+        first_unusable(&[
+            ("noise.angle_random_walk_rad_sqrt_s", not_negative(self.angle_random_walk_rad_sqrt_s)),
+            ("noise.rate_share_sqrt_s", not_negative(self.rate_share_sqrt_s)),
+            ("noise.velocity_random_walk_m_s_sqrt_s", not_negative(self.velocity_random_walk_m_s_sqrt_s)),
+            ("noise.force_share_sqrt_s", not_negative(self.force_share_sqrt_s)),
+            ("noise.gyro_bias_walk_rad_s_sqrt_s", not_negative(self.gyro_bias_walk_rad_s_sqrt_s)),
+            ("noise.acc_bias_walk_m_s2_sqrt_s", not_negative(self.acc_bias_walk_m_s2_sqrt_s)),
+            ("noise.gyro_range_rad_s", positive(self.gyro_range_rad_s)),
+            ("noise.clipped_rate_rad_sqrt_s", not_negative(self.clipped_rate_rad_sqrt_s)),
+        ])
+    }
+
+    /// These errors with the noise at rest of a particular sensor.
+    #[must_use]
+    pub fn with_specification(mut self, specification: &ImuSpecification) -> Self {
+        self.angle_random_walk_rad_sqrt_s = specification.angle_random_walk_rad_sqrt_s;
+        self.velocity_random_walk_m_s_sqrt_s = specification.velocity_random_walk_m_s_sqrt_s;
+        self.gyro_bias_walk_rad_s_sqrt_s = specification.gyro_bias_walk_rad_s_sqrt_s;
+        self.acc_bias_walk_m_s2_sqrt_s = specification.acc_bias_walk_m_s2_sqrt_s;
+        self
+    }
+
     #[inline]
-    fn over(&self, imu: &ImuSample, step: &Step, gravity_m_s2: f64) -> ProcessNoise {
+    pub(super) fn over(&self, imu: &ImuSample, step: &Step, gravity_m_s2: f64) -> ProcessNoise {
         let dt = step.interval_s;
         let square = |x: f64| x * x;
         let rate_variance = square(self.angle_random_walk_rad_sqrt_s)
@@ -164,6 +189,24 @@ impl SensorNoise {
                 * dt,
             gyro_bias: square(self.gyro_bias_walk_rad_s_sqrt_s) * dt,
             acc_bias: square(self.acc_bias_walk_m_s2_sqrt_s) * dt,
+        }
+    }
+}
+
+impl Default for SensorNoise {
+    /// Found on recorded and simulated walks together (`docs/log.md`): larger than any data sheet, since the foot's
+    /// own motion, not the sensor at rest, sets the errors.
+    fn default() -> Self {
+        Self {
+            angle_random_walk_rad_sqrt_s: 6e-3,
+            rate_share_sqrt_s: 3e-4,
+            velocity_random_walk_m_s_sqrt_s: 7.5e-3,
+            force_share_sqrt_s: 1.5e-3,
+            gyro_bias_walk_rad_s_sqrt_s: 1e-5,
+            acc_bias_walk_m_s2_sqrt_s: 1.6e-4,
+            // ±500 °/s, the commonest full scale of foot-worn gyros.
+            gyro_range_rad_s: 8.7266,
+            clipped_rate_rad_sqrt_s: 1.8,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod alignment;
 pub mod covariance;
+pub mod error_quaternion;
 pub mod filter;
 pub mod smoother;
 pub mod strapdown;

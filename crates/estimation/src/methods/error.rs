@@ -74,6 +74,20 @@ pub enum MethodWarning {
         /// Length, s.
         length_s: f64,
     },
+    /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
+    NoMagnetometer,
+    /// The field at the start is not the Earth's, or not that of the reference: the heading is uncertain.
+    DisturbedAtStart {
+        /// Its norm, µT.
+        norm_ut: f64,
+    },
+    /// A field that was refused proved right: the heading was off, and so is the path until then.
+    HeadingOpened {
+        /// When it was found out.
+        time: Time,
+        /// By how much the heading was off, deg.
+        offset_deg: f64,
+    },
 }
 
 impl MethodWarning {
@@ -85,6 +99,15 @@ impl MethodWarning {
             ),
             Self::Gap { time, length_s } => alloc::format!(
                 "samples are missing for {length_s:.3} s before {time} s: position is uncertain from there on"
+            ),
+            Self::NoMagnetometer => String::from(
+                "the log has no magnetometer at the start: the heading is relative to the sensor's x axis there",
+            ),
+            Self::DisturbedAtStart { norm_ut } => alloc::format!(
+                "the magnetic field at the start, {norm_ut:.1} µT, is not the Earth's: the heading is uncertain until it is"
+            ),
+            Self::HeadingOpened { time, offset_deg } => alloc::format!(
+                "the heading was off by about {offset_deg:.0}° until {time} s, when the magnetic field proved right: the path before is turned"
             ),
         }
     }

@@ -25,9 +25,11 @@
 
 mod error;
 pub mod foot_ins;
+pub mod marg_ins;
 
 pub use error::{MethodError, MethodWarning};
 
+use crate::magnetic::gate::ReferenceField;
 use adit_core::solution::Solution;
 use adit_observation::{ImuSpecification, Observation};
 use alloc::boxed::Box;
@@ -53,6 +55,8 @@ pub struct Known {
     pub specification: Option<ImuSpecification>,
     /// Angle from true to magnetic north, positive to the east, rad.
     pub declination_rad: Option<f64>,
+    /// Norm and dip of the Earth's field at the site.
+    pub field: Option<ReferenceField>,
 }
 
 /// A method at work: observations in, solutions out, in bounded memory.

@@ -1,5 +1,7 @@
 //! What is true of people on foot.
 
+pub mod gap;
 pub mod heading;
 pub mod stance;
+pub mod stance_updates;
 pub mod zero_velocity;

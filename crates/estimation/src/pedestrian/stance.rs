@@ -27,6 +27,7 @@
 //! Looking ahead delays solutions by the same time; without it (`look_ahead = 0`, and a `reach` of about 1 s) the
 //! detector is causal and knows only the stances before.
 
+use crate::settings::{first_unusable, not_negative, positive};
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
 use adit_observation::ImuSample;
@@ -89,6 +90,23 @@ impl Default for StanceParams {
             floor: 0.75,
             ceiling: 3e4,
         }
+    }
+}
+
+impl StanceParams {
+    /// The first setting that cannot be worked with, by name.
+    pub(crate) fn unusable(&self) -> Option<&'static str> {
+        first_unusable(&[
+            ("stance.window_s", not_negative(self.window_s)),
+            ("stance.acc_scale_m_s2", positive(self.acc_scale_m_s2)),
+            ("stance.gyro_scale_rad_s", positive(self.gyro_scale_rad_s)),
+            ("stance.threshold", positive(self.threshold)),
+            ("stance.reach_s", not_negative(self.reach_s)),
+            ("stance.look_ahead_s", not_negative(self.look_ahead_s)),
+            ("stance.gain", positive(self.gain)),
+            ("stance.floor", positive(self.floor)),
+            ("stance.ceiling", positive(self.ceiling)),
+        ])
     }
 }
 

@@ -7,8 +7,10 @@ use crate::inertial::filter::{FilterState, InertialFilter};
 use crate::inertial::smoother::Recorder;
 use crate::inertial::strapdown::{NavigationState, Step};
 use crate::kalman::Innovation;
+use crate::pedestrian::gap::UnknownMotion;
 use crate::pedestrian::heading::StraightLegs;
 use crate::pedestrian::stance::Stance;
+use crate::pedestrian::stance_updates::{LONG_AGO_S, SLACK_S, StanceUpdates};
 use crate::pedestrian::zero_velocity::{ContactVelocity, RestGravity, ZeroRate};
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix3, Vector3};
@@ -16,17 +18,6 @@ use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
 use adit_observation::ImuSample;
 use serde::{Deserialize, Serialize};
-
-/// Walking speed that a foot may have had over a gap in the log, standard deviation, m/s.
-const GAP_SPEED_M_S: f64 = 2.0;
-/// Rate of turn over a gap, standard deviation, rad/s, and its greatest effect, rad.
-const GAP_RATE_RAD_S: f64 = 0.5;
-const GAP_TURN_RAD: f64 = 0.5;
-
-/// Stands for "never"; finite, so that a snapshot survives every format.
-const LONG_AGO_S: f64 = 1e9;
-/// Slack on the time between updates, so that jitter of the stamps does not skip one, s.
-const SLACK_S: f64 = 0.001;
 
 /// Estimate of one walker, with the little memory that the updates need.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,16 +29,10 @@ pub struct FootFilter {
     time: Time,
     /// Length of the last prediction, s.
     interval_s: f64,
-    /// Time since the last zero-velocity update that was tried, and since the last that was accepted, s.
-    since_update_s: f64,
-    since_accepted_s: f64,
-    /// Time since the first credible stance that the gate refused, none since the last accepted one, s.
-    since_refused_s: Option<f64>,
+    updates: StanceUpdates,
     /// Time since the last zero-rate and the last gravity update, s.
     since_rate_s: f64,
     since_gravity_s: f64,
-    /// Time at rest, s.
-    at_rest_s: f64,
     straight_legs: Option<StraightLegs>,
 }
 
@@ -77,12 +62,9 @@ impl FootFilter {
             awaiting_stance: !aligned.at_rest,
             time,
             interval_s: 0.0,
-            since_update_s: LONG_AGO_S,
-            since_accepted_s: 0.0,
-            since_refused_s: None,
+            updates: StanceUpdates::default(),
             since_rate_s: LONG_AGO_S,
             since_gravity_s: LONG_AGO_S,
-            at_rest_s: 0.0,
             straight_legs: (params.heading_aid == HeadingAid::StraightLegs).then(StraightLegs::default),
             params: params.clone(),
         }
@@ -100,17 +82,15 @@ impl FootFilter {
         let interval_s = if gap.is_some() { 0.0 } else { (imu.time - self.time).seconds() };
         self.time = imu.time;
         self.interval_s = interval_s;
-        self.since_update_s += interval_s;
-        self.since_accepted_s += interval_s;
-        self.since_refused_s = self.since_refused_s.map(|since| since + interval_s);
+        self.updates.advance(interval_s);
         self.since_rate_s += interval_s;
         self.since_gravity_s += interval_s;
         if let Some(gap_s) = gap {
             self.cross_gap(gap_s);
         }
         if self.awaiting_stance {
-            let walked = GAP_SPEED_M_S * interval_s;
-            self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * (walked * walked)));
+            let unknown = UnknownMotion::over(interval_s);
+            self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * unknown.position));
             return Step::default();
         }
         self.inertial.predict(imu, interval_s, &self.params.noise)
@@ -129,15 +109,14 @@ impl FootFilter {
             return None;
         }
         let z = &self.params.zero_velocity;
-        self.at_rest_s =
-            if stance.statistic < z.rest_statistic { self.at_rest_s + self.interval_s } else { 0.0 };
+        self.updates.observe(stance, self.interval_s, z);
         if !stance.is_still() {
             return None;
         }
         let innovation = self.hold_contact(imu, stance, recorder);
         // Only a foot whose stillness the velocity has just confirmed tells of rate, gravity and heading.
         let confirmed = innovation.is_some_and(|innovation| innovation.accepted);
-        if confirmed || self.at_rest_s >= self.params.zero_velocity.rest_s {
+        if confirmed || self.updates.is_resting(&self.params.zero_velocity) {
             self.hold_rate(imu, stance, recorder);
             self.hold_gravity(imu, stance, recorder);
             self.hold_heading(recorder);
@@ -145,7 +124,7 @@ impl FootFilter {
         innovation
     }
 
-    /// Velocity of the contact, when it is due; a foot at rest for a while says nothing new and is asked less often.
+    /// Velocity of the contact, when it is due.
     #[inline]
     fn hold_contact(
         &mut self,
@@ -154,29 +133,14 @@ impl FootFilter {
         recorder: &mut impl Recorder,
     ) -> Option<Innovation> {
         let z = &self.params.zero_velocity;
-        let resting = self.at_rest_s >= z.rest_s;
-        if self.since_update_s < if resting { z.rest_interval_s } else { z.interval_s } - SLACK_S {
-            return None;
-        }
-        self.since_update_s = 0.0;
-
-        // Two stances in a row that the state denies: the state is wrong, not the foot.
-        let credible = stance.statistic < z.credible_statistic;
-        let second_refused = credible && self.since_refused_s.is_some_and(|since| since > z.second_stance_s);
-        let gate_open = second_refused || resting || self.since_accepted_s > z.patience_s;
-        let gate = if gate_open { f64::INFINITY } else { z.gate_nis };
+        let gate = self.updates.due(stance, z)?;
         let contact = ContactVelocity {
             angular_rate_rad_s: imu.angular_rate_rad_s,
-            sigma_m_s: self.contact_sigma_m_s(stance),
+            sigma_m_s: z.sigma_m_s(stance),
             lever_sigma_m: z.lever_sigma_m,
         };
         let innovation = self.inertial.update(&contact, gate, |update| recorder.contact(update))?;
-        if innovation.accepted {
-            self.since_accepted_s = 0.0;
-            self.since_refused_s = None;
-        } else if credible {
-            self.since_refused_s.get_or_insert(0.0);
-        }
+        self.updates.note(&innovation, stance, z);
         Some(innovation)
     }
 
@@ -189,9 +153,8 @@ impl FootFilter {
         }
         self.since_rate_s = 0.0;
         let rate = imu.angular_rate_rad_s - self.inertial.state.navigation.gyro_bias_rad_s;
-        let variance = r.sigma_rad_s * r.sigma_rad_s + r.rate_share * r.rate_share * rate.norm_squared();
         let zero_rate =
-            ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: libm::sqrt(variance) };
+            ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: r.sigma_rad_s(&rate) };
         self.inertial.update(&zero_rate, f64::INFINITY, |update| recorder.rate(update));
     }
 
@@ -239,7 +202,7 @@ impl FootFilter {
 
     /// How far the estimate can be trusted.
     pub fn quality(&self) -> Quality {
-        if self.awaiting_stance || self.since_accepted_s > self.params.lost_after_s {
+        if self.awaiting_stance || self.updates.since_accepted_s() > self.params.lost_after_s {
             Quality::Lost
         } else {
             Quality::DeadReckoning
@@ -270,23 +233,13 @@ impl FootFilter {
         true
     }
 
-    /// The less still the foot, the less is its velocity known: variance grows with the statistic.
-    fn contact_sigma_m_s(&self, stance: &Stance) -> f64 {
-        let z = &self.params.zero_velocity;
-        libm::sqrt(
-            z.sigma_m_s * z.sigma_m_s + z.statistic_sigma_m_s * z.statistic_sigma_m_s * stance.statistic,
-        )
-    }
-
     /// Nothing is known of the motion over a gap: the uncertainty says so, and the gate opens.
     fn cross_gap(&mut self, gap_s: f64) {
-        let speed = GAP_SPEED_M_S * GAP_SPEED_M_S;
-        let turn = (GAP_RATE_RAD_S * gap_s).min(GAP_TURN_RAD);
+        let unknown = UnknownMotion::over(gap_s);
         self.inertial.state.navigation.velocity_m_s = Vector3::zeros();
-        self.inertial.covariance.inflate(VELOCITY, &(Matrix3::identity() * speed));
-        self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * (speed * gap_s * gap_s)));
-        self.inertial.covariance.inflate(ATTITUDE, &(Matrix3::identity() * (turn * turn)));
-        self.since_accepted_s = LONG_AGO_S;
-        self.at_rest_s = 0.0;
+        self.inertial.covariance.inflate(VELOCITY, &(Matrix3::identity() * unknown.velocity));
+        self.inertial.covariance.inflate(POSITION, &(Matrix3::identity() * unknown.position));
+        self.inertial.covariance.inflate(ATTITUDE, &(Matrix3::identity() * unknown.attitude));
+        self.updates.cross_gap();
     }
 }

@@ -18,10 +18,9 @@ mod method;
 mod params;
 pub mod smoothing;
 
+pub use crate::pedestrian::stance_updates::ZeroVelocityParams;
 pub use foot_filter::FootFilter;
-pub use params::{
-    FootInsParams, HeadingAid, InitialSigma, RestGravityParams, ZeroRateParams, ZeroVelocityParams,
-};
+pub use params::{FootInsParams, HeadingAid, InitialSigma, RestGravityParams, ZeroRateParams};
 pub use smoothing::{FixedLag, smooth};
 
 use crate::inertial::alignment::RestAlignment;
@@ -221,7 +220,7 @@ impl FootIns {
         } else {
             self.report.warn(MethodWarning::NoRestAtStart);
         }
-        self.report.magnetic_heading = aligned.magnetic;
+        self.report.magnetic_heading = aligned.field.is_some();
         self.filter = Some(FootFilter::new(&self.params, first, &aligned));
         Ok(())
     }

@@ -1,0 +1,185 @@
+//! Settings of `marg-ins`: one default for everybody, every value documented with its unit.
+
+use super::NAME;
+use crate::inertial::filter::SensorNoise;
+use crate::magnetic::gate::{MagneticGateParams, ReferenceField};
+use crate::methods::MethodError;
+use crate::methods::foot_ins::{RestGravityParams, ZeroRateParams};
+use crate::pedestrian::stance::StanceParams;
+use crate::pedestrian::stance_updates::ZeroVelocityParams;
+use crate::settings::{first_unusable, not_negative, positive};
+use serde::{Deserialize, Serialize};
+
+/// Settings of [`super::MargIns`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MargInsParams {
+    /// Gravity at the site, m/s².
+    pub gravity_m_s2: f64,
+    /// Time at the start of the log over which the sensor is levelled and its heading taken, s.
+    pub alignment_s: f64,
+    /// Angle from true to magnetic north, positive to the east, rad.
+    pub declination_rad: f64,
+    /// Longest gap between samples that is integrated over, s; after a longer one the walker counts as lost.
+    pub gap_s: f64,
+    /// Time without an accepted zero-velocity update after which the walker counts as lost, s.
+    pub lost_after_s: f64,
+    /// Correlation time `1/β` of the gyro drift, s; its random walk is that of `noise`.
+    pub drift_correlation_s: f64,
+    /// What keeps a disturbed field out.
+    pub magnetic_gate: GateKind,
+    /// Stance detector.
+    pub stance: StanceParams,
+    /// Sensor errors.
+    pub noise: SensorNoise,
+    /// Uncertainty at the start.
+    pub initial: StartParams,
+    /// Zero velocity in stance.
+    pub zero_velocity: ZeroVelocityParams,
+    /// Zero angular rate at rest.
+    pub zero_rate: ZeroRateParams,
+    /// Tilt of `q(ε)`: the accelerometer near rest.
+    pub rest_gravity: RestGravityParams,
+    /// Heading of `q(ε)`: the magnetometer.
+    pub heading: HeadingParams,
+}
+
+/// What keeps a disturbed field out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GateKind {
+    /// Nothing, as in the paper: every reading is believed.
+    None,
+    /// Norm, dip and agreement with the gyro ([`crate::magnetic::gate`]).
+    #[default]
+    Disturbance,
+}
+
+/// Standard deviations at the start; that of the heading follows from `heading`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StartParams {
+    /// Roll and pitch, rad.
+    pub tilt_rad: f64,
+    /// Velocity, m/s.
+    pub velocity_m_s: f64,
+    /// Position, m: small, since the origin is defined by it.
+    pub position_m: f64,
+    /// Gyro drift beside what the gyro reads at rest, rad/s.
+    pub drift_rad_s: f64,
+    /// Accelerometer bias, m/s².
+    pub acc_bias_m_s2: f64,
+    /// Lever from the point of contact to the sensor, m.
+    pub contact_m: f64,
+}
+
+/// Heading of `q(ε)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HeadingParams {
+    /// Time over which the field of a stance is averaged for one heading, s.
+    pub average_s: f64,
+    /// Standard deviation of a calibrated reading across the meridian in a good place, µT.
+    pub field_sigma_ut: f64,
+    /// Tilt that the filter does not know of, from the bias of the accelerometer, standard deviation, rad.
+    pub tilt_sigma_rad: f64,
+    /// Distance to the last heading used within which the field is not taken for a new one, m.
+    pub place_m: f64,
+    /// Greatest normalised innovation squared (1 degree of freedom) of the heading that is believed.
+    pub gate_nis: f64,
+    /// Norm and dip of the undisturbed field; learnt at the start when it is not given.
+    pub reference: Option<ReferenceField>,
+    /// Limits around it.
+    pub disturbance: MagneticGateParams,
+}
+
+impl MargInsParams {
+    /// Checks that every number is in its range.
+    pub(super) fn check(&self) -> Result<(), MethodError> {
+        let (i, h, d) = (&self.initial, &self.heading, &self.heading.disturbance);
+        let checks = [
+            ("gravity_m_s2", positive(self.gravity_m_s2)),
+            ("alignment_s", not_negative(self.alignment_s)),
+            ("declination_rad", self.declination_rad.is_finite()),
+            ("gap_s", positive(self.gap_s)),
+            ("lost_after_s", positive(self.lost_after_s)),
+            ("drift_correlation_s", positive(self.drift_correlation_s)),
+            ("initial.tilt_rad", positive(i.tilt_rad)),
+            ("initial.velocity_m_s", positive(i.velocity_m_s)),
+            ("initial.position_m", positive(i.position_m)),
+            ("initial.drift_rad_s", positive(i.drift_rad_s)),
+            ("initial.acc_bias_m_s2", not_negative(i.acc_bias_m_s2)),
+            ("initial.contact_m", not_negative(i.contact_m)),
+            ("heading.average_s", not_negative(h.average_s)),
+            ("heading.field_sigma_ut", positive(h.field_sigma_ut)),
+            ("heading.tilt_sigma_rad", not_negative(h.tilt_sigma_rad)),
+            ("heading.place_m", not_negative(h.place_m)),
+            ("heading.gate_nis", positive(h.gate_nis)),
+            ("heading.reference.norm_ut", h.reference.is_none_or(|r| positive(r.norm_ut))),
+            ("heading.reference.dip_rad", h.reference.is_none_or(|r| r.dip_rad.is_finite())),
+            ("heading.disturbance.norm_share", positive(d.norm_share)),
+            ("heading.disturbance.dip_rad", positive(d.dip_rad)),
+            ("heading.disturbance.settle_s", not_negative(d.settle_s)),
+            ("heading.disturbance.steady_heading_rad", positive(d.steady_heading_rad)),
+            ("heading.disturbance.relearn_m", positive(d.relearn_m)),
+        ];
+        let name = first_unusable(&checks)
+            .or_else(|| self.stance.unusable())
+            .or_else(|| self.noise.unusable())
+            .or_else(|| self.zero_velocity.unusable())
+            .or_else(|| self.zero_rate.unusable())
+            .or_else(|| self.rest_gravity.unusable());
+        match name {
+            Some(name) => Err(MethodError::Setting { method: NAME, name }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Default for MargInsParams {
+    fn default() -> Self {
+        Self {
+            gravity_m_s2: 9.80665,
+            alignment_s: 0.5,
+            declination_rad: 0.0,
+            gap_s: 0.25,
+            lost_after_s: 10.0,
+            drift_correlation_s: 1000.0,
+            magnetic_gate: GateKind::Disturbance,
+            stance: StanceParams::default(),
+            noise: SensorNoise::default(),
+            initial: StartParams::default(),
+            zero_velocity: ZeroVelocityParams::default(),
+            zero_rate: ZeroRateParams::default(),
+            rest_gravity: RestGravityParams::default(),
+            heading: HeadingParams::default(),
+        }
+    }
+}
+
+impl Default for StartParams {
+    fn default() -> Self {
+        Self {
+            tilt_rad: 0.04,
+            velocity_m_s: 0.01,
+            position_m: 1e-4,
+            drift_rad_s: 2.2e-3,
+            acc_bias_m_s2: 0.3,
+            contact_m: 0.2,
+        }
+    }
+}
+
+impl Default for HeadingParams {
+    fn default() -> Self {
+        Self {
+            average_s: 0.05,
+            field_sigma_ut: 1.0,
+            tilt_sigma_rad: 0.01,
+            place_m: 5.0,
+            gate_nis: 6.6,
+            reference: None,
+            disturbance: MagneticGateParams::default(),
+        }
+    }
+}
