@@ -4,6 +4,7 @@
 //! [`MethodSettings`](adit_estimation::methods::MethodSettings).
 
 use crate::config;
+use adit_estimation::magnetic::gate::ReferenceField;
 use adit_estimation::methods::{Known, MethodReport, MethodSettings, MethodWarning};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
@@ -74,8 +75,14 @@ fn known(sidecar: &Sidecar) -> Known {
     Known {
         specification: sidecar.noise,
         declination_rad: sidecar.frame.magnetic_declination_deg.map(f64::to_radians),
-        field: None,
+        field: reference_field(sidecar),
     }
+}
+
+/// Norm and dip of the field where the sidecar has both.
+fn reference_field(sidecar: &Sidecar) -> Option<ReferenceField> {
+    let field = &sidecar.magnetic_field;
+    Some(ReferenceField { norm_ut: field.norm_ut?, dip_rad: field.dip_deg?.to_radians() })
 }
 
 /// A method's own report as JSON.

@@ -12,7 +12,10 @@ fn run(args: &[&str]) -> Outcome {
 #[test]
 fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 10] = [
-        (&["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"], "[possible values: foot-ins, marg-ins]"),
+        (
+            &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
+            "[possible values: foot-ins, marg-ins]",
+        ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
         (
