@@ -71,7 +71,8 @@ fn an_upside_down_tag_without_a_declared_rotation_is_levelled() {
     let folder = tempfile::tempdir().unwrap();
     let sidecar = "[mounting]\nlocation = \"foot\"\n";
     for method in ["foot-ins", "marg-ins"] {
-        let Outcome { code, stderr, .. } = track(folder.path(), &log([0.3, -0.2, -G], false), sidecar, method);
+        let Outcome { code, stderr, .. } =
+            track(folder.path(), &log([0.3, -0.2, -G], false), sidecar, method);
         assert_eq!(code, 0, "{stderr}");
     }
 }

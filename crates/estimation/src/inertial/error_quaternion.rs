@@ -29,11 +29,12 @@
 //! ```text
 //! δq ← δq ∘ r − ½ τ Ξ(q̂⁺) J_r(ω̂ dt) δε              τ = (1 − e^{−β dt})/β,   J_r right Jacobian of SO(3) (Solà 2017, eq. 143)
 //! δε ← e^{−β dt} δε                                   variance of w: q_w² (1 − e^{−2β dt})/(2β)
-//! δv ← δv + ∂(q ∘ Δv ∘ q*)/∂q δq − C dt δb_a          (Solà 2017, eq. 174)
+//! δv ← δv + ∂(q ∘ Δv ∘ q*)/∂q δq − C J_l dt δb_a + ½ dt C [Δv]× δε          (Solà 2017, eq. 174)
 //! δp ← δp + dt δv + ½ dt (what δv gains)
 //! ```
 //!
-//! What the drift does to the velocity inside one interval (of order dt²) is left out.
+//! `J_l = I + ½[ω̂ dt]× + ⅙[ω̂ dt]×²` turns the bias as the strapdown turns the force; coning and sculling corrections are
+//! not differentiated (third order in the interval).
 //!
 //! # Four numbers for three angles
 //! `q` has length 1, so `δq` is orthogonal to `q̂` and the covariance is singular in that one direction: `P (q̂,0,0,0) = 0`.
@@ -148,6 +149,7 @@ struct Transition {
     quaternion_by_drift: Matrix4x3<f64>,
     drift: f64,
     velocity_by_quaternion: Matrix3x4<f64>,
+    velocity_by_drift: Matrix3<f64>,
     velocity_by_bias: Matrix3<f64>,
     interval_s: f64,
 }
@@ -159,7 +161,9 @@ impl Transition {
         let drift = m.fixed_rows::<3>(DRIFT);
         let velocity = m.fixed_rows::<3>(FIRST[VELOCITY]);
         let bias = m.fixed_rows::<3>(FIRST[ACC_BIAS]);
-        let gained = self.velocity_by_quaternion * quaternion + self.velocity_by_bias * bias;
+        let gained = self.velocity_by_quaternion * quaternion
+            + self.velocity_by_drift * drift
+            + self.velocity_by_bias * bias;
         let mut out = *m;
         out.fixed_rows_mut::<4>(QUATERNION)
             .copy_from(&(self.quaternion * quaternion + self.quaternion_by_drift * drift));
@@ -225,7 +229,8 @@ impl ErrorQuaternionFilter {
 
         let after = state.attitude;
         let turned = skew(&increment.angle);
-        let right_jacobian = Matrix3::identity() - turned * 0.5 + turned * turned / 6.0;
+        let even = Matrix3::identity() + turned * turned / 6.0;
+        let (right_jacobian, left_jacobian) = (even - turned * 0.5, even + turned * 0.5);
         let xi = xi_body(&after);
         let velocity_body = step.rotation.transpose() * step.velocity_gained;
         let transition = Transition {
@@ -233,7 +238,8 @@ impl ErrorQuaternionFilter {
             quaternion_by_drift: xi * right_jacobian * (-0.5 * (1.0 - kept) * correlation_s),
             drift: kept,
             velocity_by_quaternion: rotated_by_quaternion(&before, &velocity_body),
-            velocity_by_bias: step.rotation * -interval_s,
+            velocity_by_drift: step.rotation * skew(&increment.velocity) * (0.5 * interval_s),
+            velocity_by_bias: step.rotation * left_jacobian * -interval_s,
             interval_s,
         };
         let half_way = transition.times(&self.covariance).transpose();

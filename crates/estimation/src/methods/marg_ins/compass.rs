@@ -101,6 +101,11 @@ impl Compass {
         self.sigma_rad(field, tilt_sigma_rad, params)
     }
 
+    /// True once a field has been seen at the start or in a stance.
+    pub fn is_started(&self) -> bool {
+        self.used_at_m.is_some()
+    }
+
     /// True while the gate keeps the field out.
     pub fn is_disturbed(&self) -> bool {
         self.gate.is_disturbed()

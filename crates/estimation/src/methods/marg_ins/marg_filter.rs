@@ -23,6 +23,8 @@ use serde::{Deserialize, Serialize};
 
 /// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
 const UNKNOWN_HEADING_RAD: f64 = 1.0;
+/// Heading that defines north itself, for want of a magnetometer, standard deviation, rad.
+const RELATIVE_HEADING_RAD: f64 = 1e-3;
 
 /// Estimate of one walker, with the little memory that the updates need.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,7 +56,8 @@ impl MargFilter {
         let mut compass = Compass::new(params);
         let heading_sigma_rad = match &aligned.field {
             Some(field) if aligned.at_rest => compass.start(field, start.tilt_rad, params),
-            _ => UNKNOWN_HEADING_RAD,
+            Some(_) => UNKNOWN_HEADING_RAD,
+            None => RELATIVE_HEADING_RAD,
         };
         let sigma = StartSigma {
             attitude_rad: Vector3::new(
@@ -216,6 +219,11 @@ impl MargFilter {
     fn hold_heading(&mut self) -> Option<f64> {
         let position_m = self.filter.state.navigation.position_m;
         let sighting = self.compass.sight(&self.params, &position_m)?;
+        if !self.compass.is_started() {
+            // The first reading of a magnetometer that was silent at the start: what was north before is not.
+            self.compass.start(&sighting.field, self.filter.tilt_sigma_rad(), &self.params);
+            self.inflate_heading(UNKNOWN_HEADING_RAD);
+        }
         let tilt_sigma_rad = libm::hypot(self.params.heading.tilt_sigma_rad, self.filter.tilt_sigma_rad());
         let sigma_rad = self.compass.sigma_rad(&sighting.field, tilt_sigma_rad, &self.params);
         let (offset, variance) = (sighting.heading_offset_rad, self.filter.heading_variance());
@@ -239,8 +247,13 @@ impl MargFilter {
             self.filter.update(&reference, f64::INFINITY);
         }
         let opened = self.compass.note(&sighting, outcome, &position_m)?;
-        self.filter.inflate_attitude(&Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, opened * opened)));
+        self.inflate_heading(opened);
         Some(opened)
+    }
+
+    fn inflate_heading(&mut self, sigma_rad: f64) {
+        let variance = Vector3::new(0.0, 0.0, sigma_rad * sigma_rad);
+        self.filter.inflate_attitude(&Matrix3::from_diagonal(&variance));
     }
 
     /// Levels the sensor in the middle of the first stance, as still as the statistic says; false while there is none.
@@ -256,7 +269,7 @@ impl MargFilter {
         let (attitude, heading_rad) = match compass {
             Some(c) => (c.attitude, self.compass.start(&c.field, tilt_rad, &self.params)),
             None => match attitude::level(force, 0.0) {
-                Some(level) => (level, UNKNOWN_HEADING_RAD),
+                Some(level) => (level, RELATIVE_HEADING_RAD),
                 None => return false,
             },
         };
