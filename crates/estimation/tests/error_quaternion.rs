@@ -201,7 +201,7 @@ proptest! {
         let s = p.fixed_view::<4, 4>(0, 0) + r;
         let s_pinv = s.pseudo_inverse(1e-12).unwrap();
         let gain = p.fixed_columns::<4>(0) * s_pinv;
-        let z = wxyz(&measured) - wxyz(&q);
+        let z = wxyz(&measured) / wxyz(&measured).dot(&wxyz(&q)) - wxyz(&q);
         let x = flat(&state) + gain * z;
         let q = Attitude::new_normalize(Quaternion::new(x[0], x[1], x[2], x[3]));
         let tangent = SMatrix::<f64, 4, 4>::identity() - wxyz(&q) * wxyz(&q).transpose();
@@ -269,6 +269,30 @@ proptest! {
                 prop_assert!(error.amax() < 1e-8, "block {block} axis {axis}: {error}");
             }
         }
+    }
+}
+
+#[test]
+fn a_certain_reference_is_taken_over_whole_however_far_it_is() {
+    for turn_deg in [1.0, 30.0, 90.0, 150.0_f64] {
+        let turn = Vector3::new(0.36, -0.48, 0.8) * turn_deg.to_radians();
+        let estimate = FilterState {
+            navigation: support::at_rest(attitude::exp(&Vector3::new(0.4, 1.0, -0.3))),
+            contact_m: Vector3::zeros(),
+        };
+        let truth = attitude::turn_navigation(&estimate.navigation.attitude, &turn);
+        let unsure = StartSigma { attitude_rad: Vector3::repeat(1.0), acc_bias_m_s2: 0.0, ..SIGMA };
+        let mut filter = ErrorQuaternionFilter::new(estimate, &unsure, G);
+        let reference = ReferenceAttitude {
+            attitude: truth,
+            gravity_m_s2: G,
+            tilt_sigma_rad: Some(1e-6),
+            heading_sigma_rad: Some(1e-6),
+        };
+        filter.update(&reference, f64::INFINITY).unwrap();
+        let left = filter.state.navigation.attitude.angle_to(&truth);
+        // The prior keeps a share of 1e-12.
+        assert!(left < 1e-10, "{turn_deg}: {left:e}");
     }
 }
 

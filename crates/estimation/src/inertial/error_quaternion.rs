@@ -75,6 +75,9 @@ pub const FIRST: [usize; BLOCKS] = {
 };
 const DRIFT: usize = FIRST[GYRO_BIAS];
 
+/// Attitudes further apart (`cos(θ/2)`, 157°) are taken as this far.
+const LEAST_COSINE: f64 = 0.2;
+
 /// Covariance of the error state.
 pub type ErrorCovariance = SMatrix<f64, STATES, STATES>;
 
@@ -386,10 +389,12 @@ impl ErrorQuaternionFilter {
 
 /// The observation of S3: the gyro's quaternion `q(ω)` against `q(ε)`, the one of accelerometer and magnetometer.
 ///
+/// Of the points on the ray of `q(ε)` the one in the tangent of `q(ω)` is taken, `q(ε)/(q(ω)·q(ε))`: normalising leads from it
+/// to `q(ε)` itself, however large the difference, and sign does not matter. To first order it is `q(ε) − q(ω)`.
 /// Either part of `q(ε)` may be missing: tilt while the sensor accelerates, heading while the field is disturbed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceAttitude {
-    /// `q(ε)`; its sign does not matter.
+    /// `q(ε)`.
     pub attitude: Attitude,
     /// Gravity at the site, m/s².
     pub gravity_m_s2: f64,
@@ -404,7 +409,10 @@ impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
         let estimate = &state.navigation.attitude;
         // q and −q are one attitude: of the two differences only the shorter is an error.
         let (gyro, reference) = (wxyz(estimate), wxyz(&self.attitude));
-        let difference = if gyro.dot(&reference) < 0.0 { -reference - gyro } else { reference - gyro };
+        let cosine = gyro.dot(&reference);
+        let difference = reference
+            / if cosine < 0.0 { cosine.min(-LEAST_COSINE) } else { cosine.max(LEAST_COSINE) }
+            - gyro;
         let angle = xi_navigation(estimate).transpose() * difference * 2.0;
         let used = |sigma: Option<f64>| f64::from(u8::from(sigma.is_some()));
         let (tilt, heading) = (used(self.tilt_sigma_rad), used(self.heading_sigma_rad));

@@ -10,6 +10,8 @@ use adit_observation::MagneticSample;
 use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
+/// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
+pub(super) const UNKNOWN_HEADING_RAD: f64 = 1.0;
 /// Readings wait no longer than this; the detector delays samples by less.
 const LONGEST_WAIT_S: i64 = 30;
 /// A stance ends when the foot has moved for this long, s.
@@ -95,10 +97,15 @@ impl Compass {
     }
 
     /// Takes the field of the alignment; returns the standard deviation of its heading, rad.
+    ///
+    /// Of a field that is refused nothing is believed.
     pub fn start(&mut self, field: &LevelField, tilt_sigma_rad: f64, params: &MargInsParams) -> f64 {
         self.gate.start(field);
         self.used_at_m = Some(Vector3::zeros());
-        self.sigma_rad(field, tilt_sigma_rad, params)
+        if self.gate.is_disturbed() && params.magnetic_gate == GateKind::Disturbance {
+            return UNKNOWN_HEADING_RAD;
+        }
+        self.sigma_rad(field, tilt_sigma_rad, params).min(UNKNOWN_HEADING_RAD)
     }
 
     /// True once a field has been seen at the start or in a stance.

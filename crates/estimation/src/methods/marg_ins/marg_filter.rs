@@ -1,6 +1,6 @@
 //! The filter of `marg-ins`: what one sample with its stance does to the estimate.
 
-use super::compass::{Compass, Outcome};
+use super::compass::{Compass, Outcome, UNKNOWN_HEADING_RAD};
 use super::params::{GateKind, MargInsParams};
 use crate::inertial::alignment::Aligned;
 use crate::inertial::error_quaternion::{
@@ -21,8 +21,6 @@ use adit_core::time::Time;
 use adit_observation::{ImuSample, MagneticSample};
 use serde::{Deserialize, Serialize};
 
-/// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
-const UNKNOWN_HEADING_RAD: f64 = 1.0;
 /// Heading that defines north itself, for want of a magnetometer, standard deviation, rad.
 const RELATIVE_HEADING_RAD: f64 = 1e-3;
 
@@ -60,11 +58,7 @@ impl MargFilter {
             None => RELATIVE_HEADING_RAD,
         };
         let sigma = StartSigma {
-            attitude_rad: Vector3::new(
-                start.tilt_rad,
-                start.tilt_rad,
-                heading_sigma_rad.min(UNKNOWN_HEADING_RAD),
-            ),
+            attitude_rad: Vector3::new(start.tilt_rad, start.tilt_rad, heading_sigma_rad),
             drift_rad_s: start.drift_rad_s,
             velocity_m_s: start.velocity_m_s,
             position_m: start.position_m,
@@ -274,7 +268,6 @@ impl MargFilter {
             },
         };
         self.awaiting_stance = false;
-        let heading_rad = heading_rad.min(UNKNOWN_HEADING_RAD);
         self.filter.restart_attitude(attitude, &Vector3::new(tilt_rad, tilt_rad, heading_rad));
         true
     }
