@@ -65,7 +65,7 @@ pub struct MagneticGateParams {
 
 impl Default for MagneticGateParams {
     fn default() -> Self {
-        Self { norm_share: 0.08, dip_rad: 0.087, settle_s: 1.0, steady_heading_rad: 0.087, relearn_m: 15.0 }
+        Self { norm_share: 0.08, dip_rad: 0.087, settle_s: 2.0, steady_heading_rad: 0.087, relearn_m: 15.0 }
     }
 }
 
