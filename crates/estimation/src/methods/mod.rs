@@ -24,6 +24,7 @@
 //! ```
 
 mod error;
+mod foot_input;
 pub mod foot_ins;
 pub mod marg_ins;
 

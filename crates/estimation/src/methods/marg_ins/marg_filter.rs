@@ -85,8 +85,10 @@ impl MargFilter {
     }
 
     /// Takes a reading of the magnetometer; it is used when the sample of its time is.
-    pub(super) fn push_magnetic(&mut self, magnetic: MagneticSample) {
-        self.compass.push(magnetic);
+    pub(super) fn push_magnetic(&mut self, magnetic: &MagneticSample) {
+        if magnetic.field_ut.iter().all(|v| v.is_finite()) {
+            self.compass.push(*magnetic);
+        }
     }
 
     /// Carries the estimate to the time of the sample.

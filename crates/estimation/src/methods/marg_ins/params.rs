@@ -4,6 +4,7 @@ use super::NAME;
 use crate::inertial::filter::SensorNoise;
 use crate::magnetic::gate::{MagneticGateParams, ReferenceField};
 use crate::methods::MethodError;
+use crate::methods::foot_input::Site;
 use crate::methods::foot_ins::{RestGravityParams, ZeroRateParams};
 use crate::pedestrian::stance::StanceParams;
 use crate::pedestrian::stance_updates::ZeroVelocityParams;
@@ -94,6 +95,15 @@ pub struct HeadingParams {
 }
 
 impl MargInsParams {
+    /// What the alignment needs to know.
+    pub(super) fn site(&self) -> Site {
+        Site {
+            gravity_m_s2: self.gravity_m_s2,
+            alignment_s: self.alignment_s,
+            declination_rad: self.declination_rad,
+        }
+    }
+
     /// Checks that every number is in its range.
     pub(super) fn check(&self) -> Result<(), MethodError> {
         let (i, h, d) = (&self.initial, &self.heading, &self.heading.disturbance);
