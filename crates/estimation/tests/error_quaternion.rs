@@ -122,7 +122,7 @@ proptest! {
         let mut filter = ErrorQuaternionFilter::new(state, &SIGMA, G);
         let rest_drift = state.navigation.gyro_bias_rad_s;
         let before = filter.covariance;
-        filter.predict(&imu, DT_S, &NO_NOISE, CORRELATION_S);
+        filter.predict(&imu, DT_S, &NO_NOISE, CORRELATION_S, true);
 
         let step = 1e-5;
         let mut jacobian = SMatrix::<f64, STATES, 18>::zeros();
@@ -156,7 +156,7 @@ proptest! {
         let noise = SensorNoise::default();
         for k in 0..50 {
             let imu = sample(DT_S * f64::from(k + 1), rate, Vector3::new(1.0, -2.0, G));
-            filter.predict(&imu, DT_S, &noise, CORRELATION_S);
+            filter.predict(&imu, DT_S, &noise, CORRELATION_S, true);
             if k % 10 == 0 {
                 let q = filter.state.navigation.attitude;
                 let reference = ReferenceAttitude {
@@ -204,9 +204,9 @@ proptest! {
         let z = wxyz(&measured) / wxyz(&measured).dot(&wxyz(&q)) - wxyz(&q);
         let x = flat(&state) + gain * z;
         let q = Attitude::new_normalize(Quaternion::new(x[0], x[1], x[2], x[3]));
-        let tangent = SMatrix::<f64, 4, 4>::identity() - wxyz(&q) * wxyz(&q).transpose();
+        let carried = xi_navigation(&q) * xi.transpose();
         let mut t = SMatrix::<f64, STATES, STATES>::identity();
-        t.fixed_view_mut::<4, 4>(0, 0).copy_from(&tangent);
+        t.fixed_view_mut::<4, 4>(0, 0).copy_from(&carried);
         let expected = t * (p - gain * p.fixed_rows::<4>(0)) * t.transpose();
 
         let found = &known.state.navigation.attitude;
@@ -297,6 +297,42 @@ fn a_certain_reference_is_taken_over_whole_however_far_it_is() {
 }
 
 #[test]
+fn gravity_tells_nothing_of_the_heading() {
+    // A foot at rest for a minute with a tilt and a bias that nothing tells apart: both are corrected again and again.
+    let mut draws = support::Draws::new(5);
+    let mut state = FilterState {
+        navigation: support::at_rest(attitude::exp(&Vector3::new(0.5, -0.3, 2.0))),
+        contact_m: Vector3::zeros(),
+    };
+    let up = state.navigation.attitude.inverse() * Vector3::new(0.0, 0.0, G);
+    state.navigation.attitude =
+        attitude::turn_navigation(&state.navigation.attitude, &Vector3::new(0.03, -0.04, 0.0));
+    let sigma = StartSigma { attitude_rad: Vector3::new(0.04, 0.04, 0.08), acc_bias_m_s2: 0.3, ..SIGMA };
+    let mut filter = ErrorQuaternionFilter::new(state, &sigma, G);
+    let before = filter.heading_variance();
+    let noise =
+        SensorNoise { velocity_random_walk_m_s_sqrt_s: 2e-3, acc_bias_walk_m_s2_sqrt_s: 2e-4, ..NO_NOISE };
+    for k in 0..6_000 {
+        let imu = sample(DT_S * f64::from(k + 1), Vector3::zeros(), up + draws.vector(0.03));
+        filter.predict(&imu, DT_S, &noise, CORRELATION_S, false);
+        if k % 10 == 0 {
+            let navigation = &filter.state.navigation;
+            let force = imu.specific_force_m_s2 - navigation.acc_bias_m_s2;
+            let tilt = ReferenceAttitude {
+                attitude: reference_attitude(&navigation.attitude, Some(&force), None),
+                gravity_m_s2: G,
+                tilt_sigma_rad: Some(0.02),
+                heading_sigma_rad: None,
+            };
+            filter.update(&tilt, f64::INFINITY).unwrap();
+        }
+    }
+    // Rounding, and nothing else.
+    let kept = filter.heading_variance() / before;
+    assert!((kept - 1.0).abs() < 1e-6, "{kept}");
+}
+
+#[test]
 fn the_kinematics_are_those_of_the_paper() {
     // q̇ = ½ Ω(ω) q = ½ Ξ(q) ω: both forms of eq. 5, and their agreement with the rotation itself.
     let q = attitude::exp(&Vector3::new(0.3, -1.1, 0.7));
@@ -340,6 +376,7 @@ fn the_drift_forgets_as_a_gauss_markov_process_does() {
             DT_S,
             &noise,
             50.0,
+            true,
         );
     }
     // 200 s are four correlation times: e⁻⁴ of the drift is left, and the variance is q² τ/2 (1 − e⁻⁸) + e⁻⁸ σ².

@@ -4,7 +4,7 @@ use super::compass::{Compass, Outcome, UNKNOWN_HEADING_RAD};
 use super::params::{GateKind, MargInsParams};
 use crate::inertial::alignment::Aligned;
 use crate::inertial::error_quaternion::{
-    ErrorQuaternionFilter, ReferenceAttitude, StartSigma, reference_attitude,
+    ErrorQuaternionFilter, HeldContact, ReferenceAttitude, StartSigma, reference_attitude,
 };
 use crate::inertial::filter::FilterState;
 use crate::inertial::strapdown::NavigationState;
@@ -21,6 +21,8 @@ use adit_core::time::Time;
 use adit_observation::{ImuSample, MagneticSample};
 use serde::{Deserialize, Serialize};
 
+/// Time over which the rate at rest is averaged, s.
+const MEAN_RATE_S: f64 = 0.5;
 /// Heading that defines north itself, for want of a magnetometer, standard deviation, rad.
 const RELATIVE_HEADING_RAD: f64 = 1e-3;
 
@@ -35,6 +37,8 @@ pub struct MargFilter {
     awaiting_stance: bool,
     time: Time,
     interval_s: f64,
+    /// Mean rate at rest beside the drift, rad/s.
+    mean_rate_rad_s: Vector3<f64>,
     /// Time since the last zero-rate and the last tilt update, s.
     since_rate_s: f64,
     since_tilt_s: f64,
@@ -72,6 +76,7 @@ impl MargFilter {
             awaiting_stance: !aligned.at_rest,
             time,
             interval_s: 0.0,
+            mean_rate_rad_s: Vector3::zeros(),
             since_rate_s: LONG_AGO_S,
             since_tilt_s: LONG_AGO_S,
             params: params.clone(),
@@ -92,7 +97,7 @@ impl MargFilter {
     }
 
     /// Carries the estimate to the time of the sample.
-    pub fn predict(&mut self, imu: &ImuSample) {
+    pub fn predict(&mut self, imu: &ImuSample, stance: &Stance) {
         let gap = self.gap_before(imu);
         let interval_s = if gap.is_some() { 0.0 } else { (imu.time - self.time).seconds() };
         self.time = imu.time;
@@ -107,7 +112,20 @@ impl MargFilter {
             self.filter.inflate_motion(0.0, UnknownMotion::over(interval_s).position);
             return;
         }
-        self.filter.predict(imu, interval_s, &self.params.noise, self.params.drift_correlation_s);
+        let turning = self.is_turning(imu, stance, interval_s);
+        self.filter.predict(imu, interval_s, &self.params.noise, self.params.drift_correlation_s, turning);
+    }
+
+    /// False for a foot that has rested for a while and whose mean rate is its drift.
+    fn is_turning(&mut self, imu: &ImuSample, stance: &Stance, interval_s: f64) -> bool {
+        let z = &self.params.zero_velocity;
+        let resting = self.updates.is_resting(z) && stance.statistic < z.rest_statistic;
+        let rate = imu.angular_rate_rad_s - self.filter.state.navigation.gyro_bias_rad_s;
+        let share = if resting { (interval_s / MEAN_RATE_S).min(1.0) } else { 1.0 };
+        self.mean_rate_rad_s += (rate - self.mean_rate_rad_s) * share;
+        let still =
+            self.mean_rate_rad_s.norm_squared() < self.params.turning_rad_s * self.params.turning_rad_s;
+        !(resting && still)
     }
 
     /// In stance: zero velocity, then, of a foot that is still enough, zero rate and the reference `q(ε)`.
@@ -175,7 +193,7 @@ impl MargFilter {
             sigma_m_s: z.sigma_m_s(stance),
             lever_sigma_m: z.lever_sigma_m,
         };
-        let innovation = self.filter.update(&contact, gate)?;
+        let innovation = self.filter.update(&HeldContact(contact), gate)?;
         self.updates.note(&innovation, stance, z);
         Some(innovation)
     }
@@ -191,6 +209,7 @@ impl MargFilter {
         let zero_rate =
             ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: r.sigma_rad_s(&rate) };
         self.filter.update(&zero_rate, f64::INFINITY);
+        self.filter.anchor_drift();
     }
 
     /// Near rest the accelerometer gives the tilt of `q(ε)`.

@@ -117,7 +117,7 @@ impl MargIns {
     fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Option<Solution>, MethodError> {
         let filter = self.filter.as_mut().ok_or(MethodError::Empty)?;
         let gap = filter.gap_before(imu);
-        filter.predict(imu);
+        filter.predict(imu, stance);
         let (innovation, opened) = filter.correct(imu, stance);
         if !filter.is_finite() {
             return Err(MethodError::Diverged { time: imu.time });

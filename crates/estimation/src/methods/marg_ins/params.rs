@@ -27,6 +27,8 @@ pub struct MargInsParams {
     pub lost_after_s: f64,
     /// Correlation time `1/β` of the gyro drift, s; its random walk is that of `noise`.
     pub drift_correlation_s: f64,
+    /// Mean rate of a resting foot, rad/s, above which it stands on something that turns.
+    pub turning_rad_s: f64,
     /// What keeps a disturbed field out.
     pub magnetic_gate: GateKind,
     /// Stance detector.
@@ -113,6 +115,7 @@ impl MargInsParams {
             ("declination_rad", self.declination_rad.is_finite()),
             ("gap_s", positive(self.gap_s)),
             ("lost_after_s", positive(self.lost_after_s)),
+            ("turning_rad_s", not_negative(self.turning_rad_s)),
             ("drift_correlation_s", positive(self.drift_correlation_s)),
             ("initial.tilt_rad", positive(i.tilt_rad)),
             ("initial.velocity_m_s", positive(i.velocity_m_s)),
@@ -155,6 +158,7 @@ impl Default for MargInsParams {
             gap_s: 0.25,
             lost_after_s: 10.0,
             drift_correlation_s: 1000.0,
+            turning_rad_s: 0.02,
             magnetic_gate: GateKind::Disturbance,
             stance: StanceParams::default(),
             noise: SensorNoise::default(),
