@@ -81,18 +81,21 @@ fn steel_is_refused_by_norm_or_by_dip_and_believed_again_after_settling() {
 fn a_disturbance_across_the_meridian_counts_by_what_is_seen_of_the_others() {
     let mut walker = Walker::started(none());
     walker.see(STRIDE_M, none(), 0.0);
-    assert!(walker.gate.across_ut(&level(none())) < 1e-9);
+    assert!(walker.gate.across_ut(&level(none()), 0.0) < 1e-9);
     let off = level(Vector3::new(0.0, 0.0, -3.0));
     // 3 µT downward: all of it seen, and as much again, over √2, expected across.
-    assert!((walker.gate.across_ut(&off) - 3.0 / 2.0_f64.sqrt()).abs() < 0.02);
+    assert!((walker.gate.across_ut(&off, 0.0) - 3.0 / 2.0_f64.sqrt()).abs() < 0.02);
+    // Less what the sensor itself does, 1 µT an axis then and now.
+    assert!((walker.gate.across_ut(&off, 1.0) - (5.0_f64 / 2.0).sqrt()).abs() < 0.03);
+    assert!(walker.gate.across_ut(&off, 2.0) < 1e-12);
     // A stride in bad surroundings is remembered over the next metres, not after a hundred.
     walker.see(STRIDE_M, Vector3::z() * -30.0, 0.0);
-    let after = walker.gate.across_ut(&level(none()));
+    let after = walker.gate.across_ut(&level(none()), 0.0);
     assert!(after > 5.0, "{after}");
     for _ in 0..80 {
         walker.see(STRIDE_M, none(), 0.0);
     }
-    assert!(walker.gate.across_ut(&level(none())) < 0.2);
+    assert!(walker.gate.across_ut(&level(none()), 0.0) < 0.2);
 }
 
 #[test]

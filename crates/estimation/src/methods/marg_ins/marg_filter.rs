@@ -137,7 +137,8 @@ impl MargFilter {
         }
         self.updates.observe(stance, self.interval_s, &self.params.zero_velocity);
         let attitude = self.filter.state.navigation.attitude;
-        self.compass.gather(self.time, self.interval_s, stance.is_still(), &attitude);
+        let settle_s = self.params.heading.settle_s;
+        self.compass.gather(self.time, self.interval_s, stance.is_still(), &attitude, settle_s);
         if !stance.is_still() {
             return (None, None);
         }

@@ -80,6 +80,8 @@ pub struct StartParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeadingParams {
+    /// Time of a stance that passes before readings count, s: a magnetometer of 10 Hz bandwidth still sees the swing.
+    pub settle_s: f64,
     /// Time over which the field of a stance is averaged for one heading, s.
     pub average_s: f64,
     /// Standard deviation of a calibrated reading across the meridian in a good place, µT.
@@ -123,6 +125,7 @@ impl MargInsParams {
             ("initial.drift_rad_s", positive(i.drift_rad_s)),
             ("initial.acc_bias_m_s2", not_negative(i.acc_bias_m_s2)),
             ("initial.contact_m", not_negative(i.contact_m)),
+            ("heading.settle_s", not_negative(h.settle_s)),
             ("heading.average_s", not_negative(h.average_s)),
             ("heading.field_sigma_ut", positive(h.field_sigma_ut)),
             ("heading.tilt_sigma_rad", not_negative(h.tilt_sigma_rad)),
@@ -187,6 +190,7 @@ impl Default for StartParams {
 impl Default for HeadingParams {
     fn default() -> Self {
         Self {
+            settle_s: 0.1,
             average_s: 0.05,
             field_sigma_ut: 1.0,
             tilt_sigma_rad: 0.01,
