@@ -4,10 +4,11 @@
 //! sensor. What cannot be one person's log is an error: inertial samples of two logs that overlap in time.
 //! Memory: the read-ahead of each reader.
 
+use crate::mounting::{Finding, MountingCheck};
 use adit_core::time::Time;
 use adit_observation::order::DEFAULT_GAP_LIMIT;
 use adit_observation::sidecar::Sidecar;
-use adit_observation::{LogReader, LogWarning, Observation, open};
+use adit_observation::{ImuSample, LogReader, LogWarning, Observation, open};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,8 @@ pub struct LogStream {
 struct Part {
     reader: LogReader,
     next: Option<Observation>,
+    /// Gravity against the mounting that its sidecar declares.
+    mounting: Option<MountingCheck>,
     /// Another log has taken over the inertial samples from this one.
     superseded: bool,
 }
@@ -33,7 +36,8 @@ impl LogStream {
             let mut reader = open(path)?;
             tracing::info!("reading {} as {:?}", path.display(), reader.kind());
             let next = reader.next().transpose()?;
-            Ok(Part { reader, next, superseded: false })
+            let mounting = reader.sidecar().and_then(MountingCheck::of);
+            Ok(Part { reader, next, mounting, superseded: false })
         };
         let parts = paths.iter().map(part).collect::<Result<Vec<_>>>()?;
         Ok(Self { parts, inertial: None, warnings: Vec::new() })
@@ -46,6 +50,9 @@ impl LogStream {
                 && self.repeats(index, sample.time)?
             {
                 continue;
+            }
+            if let Observation::Imu(sample) = &observation {
+                self.check_mounting(index, sample)?;
             }
             return Ok(Some(observation));
         }
@@ -87,6 +94,19 @@ impl LogStream {
             self.warnings.push(text);
         }
         Ok(time == before)
+    }
+
+    fn check_mounting(&mut self, index: usize, sample: &ImuSample) -> Result<()> {
+        let part = &mut self.parts[index];
+        let Some(check) = &mut part.mounting else { return Ok(()) };
+        match check.observe(sample) {
+            Finding::Fits => Ok(()),
+            Finding::Refused(why) => bail!("{}: {why}", part.reader.file().display()),
+            Finding::TurnedOver(how) => {
+                self.warnings.push(format!("{}: {how}", part.reader.file().display()));
+                Ok(())
+            }
+        }
     }
 
     fn file(&self, index: usize) -> &Path {

@@ -11,6 +11,7 @@ mod journey;
 mod log_stream;
 mod map;
 mod method;
+mod mounting;
 mod output;
 mod progress;
 mod scenario_file;

@@ -4,6 +4,7 @@
 //! [`MethodSettings`](adit_estimation::methods::MethodSettings).
 
 use crate::config;
+use adit_estimation::magnetic::gate::ReferenceField;
 use adit_estimation::methods::{Known, MethodReport, MethodSettings, MethodWarning};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
@@ -48,16 +49,6 @@ impl MethodName {
         with_settings!(self, S => S::NAME)
     }
 
-    /// Whether it smooths over a fixed lag.
-    pub fn has_fixed_lag(self) -> bool {
-        with_settings!(self, S => S::FIXED_LAG)
-    }
-
-    /// Whether it smooths over the whole log.
-    pub fn has_whole_log(self) -> bool {
-        with_settings!(self, S => S::WHOLE_LOG)
-    }
-
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
@@ -80,8 +71,14 @@ fn known(sidecar: &Sidecar) -> Known {
     Known {
         specification: sidecar.noise,
         declination_rad: sidecar.frame.magnetic_declination_deg.map(f64::to_radians),
-        field: None,
+        field: reference_field(sidecar),
     }
+}
+
+/// Norm and dip of the field where the sidecar has both.
+fn reference_field(sidecar: &Sidecar) -> Option<ReferenceField> {
+    let field = &sidecar.magnetic_field;
+    Some(ReferenceField { norm_ut: field.norm_ut?, dip_rad: field.dip_deg?.to_radians() })
 }
 
 /// A method's own report as JSON.

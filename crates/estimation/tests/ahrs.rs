@@ -14,7 +14,7 @@ use support::turning::{RATE_HZ, Tag, error_deg, run, worst_deg};
 
 /// Settings that fit the world of [`Tag`]: the field is the same everywhere, and the gyro errs by noise, bias and scale.
 fn in_a_plain_world() -> AhrsParams {
-    let mut params = AhrsParams { field_anomaly_ut: 0.1, ..AhrsParams::default() };
+    let mut params = AhrsParams { field_anomaly_ut: 0.1, velocity_m_s: 0.35, ..AhrsParams::default() };
     params.noise.rate_share = 0.0;
     params.noise.gyro_bias_walk_rad_s_sqrt_s = 1e-5;
     params.noise.field_ut = 0.4;

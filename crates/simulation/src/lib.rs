@@ -7,9 +7,13 @@
 //! 3. [`IdealImu`]: what a faultless IMU would read over a sample's interval;
 //! 4. [`ImuErrors`]: what a real one makes of it.
 //!
-//! [`generate`] runs them for a [`FootWalkScenario`] and streams samples with the truth. Any other [`Motion`], such as a
-//! [`Tumble`], takes the place of the walk in a [`Generator`]; [`Generator::with_magnetometer`] adds a [`Magnetometer`]
-//! in a [`MagneticWorld`] of Earth, steel and cables. Frames are those of
+//! [`generate`] runs them for a [`FootWalkScenario`] and streams samples with the truth. Beside them stand
+//!
+//! 5. [`Tumble`]: a tag turned by hand or worn on a waist; any [`Motion`] can carry the sensors ([`Generator::new`]);
+//! 6. [`MagneticWorld`]: the Earth's field, steel that stands or moves, cables;
+//! 7. [`Magnetometer`]: what a real one makes of that field.
+//!
+//! [`generate_marg`] adds the last two to a walk, [`Generator::with_magnetometer`] to any motion. Frames are those of
 //! [`adit_core`]: ENU, z up. This crate never uses the estimators, and shares no mechanisation with them: it has no
 //! strapdown integration at all.
 

@@ -93,6 +93,22 @@ impl FootWalkScenario {
         )
     }
 
+    /// The walk of spec S3 on a basketball court of 28 m × 15 m: once around 26 m × 14 m, anticlockwise from its
+    /// south-west corner, 80 m, standing for most of 15 minutes; a sensor at 100 Hz at 45.776° N.
+    pub fn court_walk() -> Self {
+        let stand = |seconds| Leg::Stand { seconds };
+        let mut legs = vec![stand(60.0)];
+        for (half_side_m, last) in [(13.0, false), (7.0, false), (13.0, false), (7.0, true)] {
+            let half_side = Leg::Straight { length_m: half_side_m };
+            let corner = [Leg::Turn { turn_rad: -FRAC_PI_2 }, stand(if last { 80.0 } else { 90.0 })];
+            legs.extend([half_side, stand(90.0), half_side]);
+            legs.extend(corner);
+        }
+        let walk = Self::new(Gait::slow(), FRAC_PI_2, legs);
+        let imu = IdealImu { latitude_rad: Some(45.776_f64.to_radians()), ..walk.imu };
+        Self { imu, rate_hz: 100.0, ..walk }
+    }
+
     /// Straight east for `length_m`, with a rest before and after.
     pub fn straight(length_m: f64) -> Self {
         Self::new(

@@ -90,13 +90,14 @@ impl Tumble {
         }
     }
 
-    /// The calibration tumble: rolls over and over (70°/s) while its nose goes slowly from zenith to nadir and back, and
-    /// it turns about the vertical; the field comes from every side of the tag within `moving_s` (a minute is enough).
+    /// The calibration tumble: rolls over and over (100°/s) while its nose goes once down and once up, and it turns slowly
+    /// about the vertical (12°/s): within a minute the field comes from every side of the tag.
     pub fn over_the_sphere(moving_s: f64) -> Self {
+        let degree = PI / 180.0;
         Self {
-            yaw: Swing { rate: 0.31, ..Swing::default() },
-            pitch: Swing { amplitude: FRAC_PI_2, frequency_hz: 2.0 / moving_s, ..Swing::default() },
-            roll: Swing { rate: 1.22, ..Swing::default() },
+            yaw: Swing { rate: 12.0 * degree, ..Swing::default() },
+            pitch: Swing { amplitude: FRAC_PI_2, frequency_hz: 1.0 / moving_s, ..Swing::default() },
+            roll: Swing { rate: 100.0 * degree, ..Swing::default() },
             ..Self::still(2.0, moving_s)
         }
     }
@@ -133,10 +134,10 @@ impl Tumble {
     /// Times, angles and rates are those of a tag in a hand.
     pub fn check(&self) -> Result<(), SimulationError> {
         check_within("rest_s", self.rest_s, 0.0, 1e6, "0 to 1e6 s")?;
-        check_within("moving_s", self.moving_s, 0.1, 1e6, "0.1 to 1e6 s")?;
+        check_within("moving_s", self.moving_s, 0.0, 1e6, "0 to 1e6 s")?;
         check_within("ramp_s", self.ramp_s, 1e-3, 0.5 * self.moving_s, "0.001 s to half of moving_s")?;
         for (name, angle) in [("yaw", &self.yaw), ("pitch", &self.pitch), ("roll", &self.roll)] {
-            angle.check(name, 100.0, "-100 to 100 rad and rad/s (5730 degrees)")?;
+            angle.check(name, 100.0, "-100 to 100 rad and rad/s")?;
         }
         self.position.iter().try_for_each(|axis| axis.check("position", 1e4, "-10000 to 10000 m and m/s"))
     }

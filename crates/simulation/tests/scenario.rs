@@ -75,6 +75,36 @@ fn the_demo_walk_stays_in_its_room_and_comes_back() {
 }
 
 #[test]
+fn the_walk_of_s3_is_a_closed_loop_of_80_m_in_15_minutes_on_its_court() {
+    let scenario = FootWalkScenario::court_walk();
+    let run = run(&scenario, &ImuErrorModel::xsens_mti_g(), 1);
+    let walk = scenario.walk(1).unwrap();
+    // Rounding; the stride's variation moves footprints along straight legs only.
+    assert!((walk.length_m() - 80.0).abs() < 1e-9, "{}", walk.length_m());
+    // 128 s of slow strides, 3 % of variation each.
+    assert!((walk.duration_s() - 900.0).abs() < 6.0, "{}", walk.duration_s());
+    let (low, high) = run.iter().fold((Vector3::zeros(), Vector3::zeros()), |(l, h), (_, t)| {
+        (t.position_m.inf(&l), t.position_m.sup(&h))
+    });
+    assert!(high.x - low.x < 28.0 && high.y - low.y < 15.0, "{low} {high}");
+    let (_, end) = run[run.len() - 1];
+    assert!(end.position_m.norm() < 1e-12, "80 footprints of rounding");
+    assert!(end.attitude.angle_to(&walk.at(0.0).attitude) < 1e-7);
+}
+
+#[test]
+fn the_sensor_of_s3_does_not_clip_on_its_walk() {
+    let model = ImuErrorModel::xsens_mti_g();
+    let run = run(&FootWalkScenario::court_walk(), &model, 1);
+    let (rate, force) = run.iter().fold((0.0_f64, 0.0_f64), |(rate, force), (sample, _)| {
+        (rate.max(sample.angular_rate_rad_s.amax()), force.max(sample.specific_force_m_s2.amax()))
+    });
+    assert!(rate < 0.9 * model.gyro.range.unwrap() && force < 0.9 * model.accelerometer.range.unwrap());
+    // The reason for the gyros of ±1200 °/s: the usual ones would clip.
+    assert!(rate > 300.0_f64.to_radians(), "{} °/s", rate.to_degrees());
+}
+
+#[test]
 fn it_starts_with_a_rest_long_enough_to_align() {
     for scenario in
         [FootWalkScenario::demo_walk(), FootWalkScenario::straight(5.0), FootWalkScenario::loops(1)]

@@ -67,7 +67,7 @@ struct Beside {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Peak {
-    ut: f64,
+    field_ut: f64,
     distance_m: f64,
 }
 
@@ -97,18 +97,21 @@ impl Magnetic {
         source: &Source,
     ) -> Result<MagnetometerModel> {
         let mut model = named("magnetometer", &self.sensor, own, &MAGNETOMETERS, source)?;
-        let mut span = own.get(self.sensor.get_ref()).map_or_else(|| self.sensor.span(), Spanned::span);
+        let check =
+            |model: &MagnetometerModel, span| model.check().map_err(|error| source.refused(&span, &error));
+        check(&model, own.get(self.sensor.get_ref()).map_or_else(|| self.sensor.span(), Spanned::span))?;
         if let Some(rate_hz) = &self.rate_hz {
-            (model.rate_hz, span) = (*rate_hz.get_ref(), rate_hz.span());
+            model.rate_hz = *rate_hz.get_ref();
+            check(&model, rate_hz.span())?;
         }
         if let Some(hard_iron) = &self.hard_iron_ut {
-            (model.hard_iron_ut, span) = (*hard_iron.get_ref(), hard_iron.span());
-            model.check().map_err(|error| source.refused(&span, &error))?;
+            model.hard_iron_ut = *hard_iron.get_ref();
+            check(&model, hard_iron.span())?;
         }
         if let Some(soft_iron) = &self.soft_iron {
-            (model.soft_iron, span) = (*soft_iron.get_ref(), soft_iron.span());
+            model.soft_iron = *soft_iron.get_ref();
+            check(&model, soft_iron.span())?;
         }
-        model.check().map_err(|error| source.refused(&span, &error))?;
         Ok(model)
     }
 
@@ -147,9 +150,6 @@ impl Steel {
     /// What is missing or said twice.
     fn contradiction(&self, walking: bool) -> Option<&'static str> {
         let moving = !self.course.is_empty() || self.start_s.is_some();
-        if self.course.is_empty() && self.start_s.is_some() {
-            return Some("start_s is the start of a course: add course, or remove start_s");
-        }
         match (&self.at_m, &self.beside) {
             (None, None) => {
                 return Some(
@@ -190,8 +190,8 @@ impl Steel {
         body.induced_m3 = self.induced_m3.unwrap_or(body.induced_m3);
         body.radius_m = self.radius_m.unwrap_or(body.radius_m);
         body.check()?;
-        if let Some(Peak { ut, distance_m }) = self.peak {
-            body = body.with_field_at(earth, ut, distance_m)?;
+        if let Some(Peak { field_ut, distance_m }) = self.peak {
+            body = body.with_field_at(earth, field_ut, distance_m)?;
         }
         if let Some(peak_ut) = self.peak_at_sensor_ut {
             body = body.with_peak_along(earth, peak_ut, motion)?;

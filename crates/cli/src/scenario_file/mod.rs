@@ -24,7 +24,7 @@ mod tumble;
 use crate::config;
 use adit_simulation::{
     Emission, FootWalk, FootWalkScenario, Gait, Generator, IdealImu, ImuErrorModel, Leg, MagneticWorld,
-    Magnetometer, MagnetometerModel, Motion, SimulationError, Tumble,
+    MagnetometerModel, Motion, Tumble,
 };
 use anyhow::Result;
 use magnetic::Magnetic;
@@ -120,8 +120,6 @@ const GAITS: [Preset<Gait>; 4] =
 pub struct Run {
     /// Length in time, s.
     pub duration_s: f64,
-    /// The magnetometer as drawn for this run.
-    pub magnetometer: Option<Magnetometer>,
     /// Samples with their truth, in order of time.
     pub emissions: Box<dyn Iterator<Item = Emission>>,
 }
@@ -145,10 +143,6 @@ impl Scenario {
 
     /// Starts the simulation.
     pub fn generate(&self, seed: u64) -> Result<Run> {
-        let Entries { sensors, magnetometers, gaits, .. } = &self.entries;
-        self.sound(sensors, ImuErrorModel::check)?;
-        self.sound(magnetometers, MagnetometerModel::check)?;
-        self.sound(gaits, Gait::check)?;
         match *self.entries.kind.get_ref() {
             Kind::FootWalk => {
                 let scenario = self.foot_walk()?;
@@ -176,36 +170,13 @@ impl Scenario {
         let errors = named("sensor", sensor, sensors, &SENSORS, &self.source)?;
         let span = sensors.get(sensor.get_ref()).map_or_else(|| sensor.span(), Spanned::span);
         let refused = |error| self.source.refused(&span, &error);
-        let (duration_s, rate_hz) = (motion.duration_s(), self.rate_hz()?);
-        if duration_s * rate_hz < 1.0 {
-            return Err(self.too_short(duration_s));
-        }
-        let imu = Generator::new(motion, self.imu()?, rate_hz, &errors, seed).map_err(refused)?;
-        let Some((world, model)) = magnetometer else {
-            let emissions = imu.map(|(sample, truth)| Emission::Imu(sample, truth));
-            return Ok(Run { duration_s, magnetometer: None, emissions: Box::new(emissions) });
+        let duration_s = motion.duration_s();
+        let imu = Generator::new(motion, self.imu()?, self.rate_hz()?, &errors, seed).map_err(refused)?;
+        let emissions: Box<dyn Iterator<Item = Emission>> = match magnetometer {
+            Some((world, model)) => Box::new(imu.with_magnetometer(world, &model, seed).map_err(refused)?),
+            None => Box::new(imu.map(|(sample, truth)| Emission::Imu(sample, truth))),
         };
-        let marg = imu.with_magnetometer(world, &model, seed).map_err(refused)?;
-        let magnetometer = Some(marg.magnetometer().clone());
-        Ok(Run { duration_s, magnetometer, emissions: Box::new(marg) })
-    }
-
-    /// What the file brings itself makes sense, used or not.
-    fn sound<T>(
-        &self,
-        own: &BTreeMap<String, Spanned<T>>,
-        check: fn(&T) -> Result<(), SimulationError>,
-    ) -> Result<()> {
-        own.values().try_for_each(|entry| {
-            check(entry.get_ref()).map_err(|error| self.source.refused(&entry.span(), &error))
-        })
-    }
-
-    fn too_short(&self, duration_s: f64) -> anyhow::Error {
-        let Entries { legs, kind, .. } = &self.entries;
-        let span = legs.as_ref().map_or_else(|| kind.span(), Spanned::span);
-        let what = format!("this lasts {duration_s} s, less than one sample: add to `legs`");
-        self.source.error(&span, &what)
+        Ok(Run { duration_s, emissions })
     }
 
     fn magnetometer(
@@ -220,8 +191,11 @@ impl Scenario {
     }
 
     fn foot_walk(&self) -> Result<FootWalkScenario> {
-        let Entries { gait, heading_deg, legs, tumble, .. } = &self.entries;
+        let Entries { gait, gaits, heading_deg, legs, tumble, .. } = &self.entries;
         self.strange("tumble", tumble.as_ref())?;
+        for own in gaits.values() {
+            own.get_ref().check().map_err(|error| self.source.refused(&own.span(), &error))?;
+        }
         let gait = self.gait(self.needed("gait", gait.as_ref())?)?;
         let heading_deg = self.needed("heading_deg", heading_deg.as_ref())?;
         let heading_deg = self.within("heading_deg", heading_deg, 3600.0, "-3600 to 3600 degrees")?;

@@ -24,49 +24,53 @@ impl Source {
         anyhow!("{}:{}: {what}", self.file.display(), line(&self.text, span.start))
     }
 
-    /// An error of the simulator: at the line that names the parameter, else where `span` starts.
+    /// An error of the simulator: at the line that gives the parameter this value, else at one that names it, else where
+    /// `span` starts.
     pub fn refused(&self, span: &Range<usize>, error: &SimulationError) -> Error {
-        let SimulationError::Parameter { name, found, expected } = error;
-        let inside = self.text.get(span.start..self.end(span)).unwrap_or_default();
-        // Files give degrees where the simulator counts in rad.
-        if let Some(angle) = name.strip_suffix("_rad").map(|stem| format!("{stem}_deg"))
-            && let Some(at) = key(inside, &angle)
-        {
-            // Nine digits hide what the way to radians and back has rounded.
-            let degrees = (found.to_degrees() * 1e6).round() * 1e-6;
-            let what = format!("{angle} is {degrees} ({found:.3} rad), expected {expected}");
-            return self.error(&(span.start + at..span.end), &what);
-        }
-        let at = span.start + key(inside, name).unwrap_or(0);
-        self.error(&(at..span.end), &error.to_string())
+        let SimulationError::Parameter { name, found, .. } = error;
+        let region = self.region(span);
+        let keys = || keys(region, name.strip_suffix("_rad").unwrap_or(name));
+        let exact = keys().find(|(_, value)| value.is_some_and(|value| stands_for(value, *found)));
+        let at = exact.or_else(|| keys().next()).map_or(span.start, |(at, _)| span.start + at);
+        self.error(&(at..at), &error.to_string())
     }
 
-    /// Where a value ends. The span of a `[table]` is that of its header alone; its body ends at the next header.
-    fn end(&self, span: &Range<usize>) -> usize {
-        let (value, rest) = (self.text.get(span.clone()), self.text.get(span.end..));
-        match (value, rest) {
-            (Some(value), Some(rest)) if is_header(value) => {
-                let body = rest.split_inclusive('\n').take_while(|line| !is_header(line));
-                span.end + body.map(str::len).sum::<usize>()
-            }
-            _ => span.end,
+    /// The text of an entry. The span of a table under a header is that of its header; the table goes on to the next one
+    /// that is not inside it.
+    fn region(&self, span: &Range<usize>) -> &str {
+        let inside = self.text.get(span.clone()).unwrap_or_default();
+        let rest = self.text.get(span.start..).unwrap_or_default();
+        let name = inside.trim_matches(['[', ']']);
+        let header = inside.starts_with('[') && inside.ends_with(']') && !name.contains(['{', '\n', ',']);
+        if !header {
+            return inside;
         }
+        let next = rest.match_indices("\n[").map(|(at, _)| at + 1).find(|at| {
+            let below = rest[*at..].trim_start_matches('[');
+            !below.strip_prefix(name).is_some_and(|below| below.starts_with('.'))
+        });
+        &rest[..next.unwrap_or(rest.len())]
     }
 }
 
-/// `[name]` or `[[name]]`; a row of a matrix begins with a number.
-fn is_header(line: &str) -> bool {
-    let inner = line.trim_start().trim_start_matches('[');
-    inner.len() < line.trim_start().len() && inner.starts_with(|c: char| c.is_alphabetic() || c == '"')
-}
-
-/// Where `name` stands as a key, outside comments.
-fn key(text: &str, name: &str) -> Option<usize> {
-    text.match_indices(name).map(|(at, _)| at).find(|at| {
-        let line = text[..*at].rsplit('\n').next().unwrap_or_default();
-        let after = text[at + name.len()..].trim_start();
-        !line.contains('#')
-            && !line.ends_with(|c: char| c.is_alphanumeric() || c == '_')
-            && after.starts_with('=')
+/// Where `name`, with any unit of angle, stands as a key, and the number that it is given.
+fn keys<'a>(text: &'a str, name: &'a str) -> impl Iterator<Item = (usize, Option<f64>)> + 'a {
+    text.match_indices(name).filter_map(move |(at, _)| {
+        let before = text[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_') {
+            return None;
+        }
+        let after = &text[at + name.len()..];
+        let after = after.strip_prefix("_deg").or_else(|| after.strip_prefix("_rad")).unwrap_or(after);
+        let value = after.trim_start().strip_prefix('=')?;
+        let value = value.split([',', '}', '\n', '#']).next().unwrap_or_default();
+        Some((at, value.trim().parse().ok()))
     })
+}
+
+/// The simulator's number is that of the file, or the same angle in rad.
+fn stands_for(written: f64, found: f64) -> bool {
+    written.to_bits() == found.to_bits()
+        || written.to_radians().to_bits() == found.to_bits()
+        || (written.is_nan() && found.is_nan())
 }

@@ -8,7 +8,7 @@ use crate::scenario_file::{Run, Scenario};
 use adit_core::trajectory::Pose;
 use adit_observation::mcap_log::{McapLogWriter, Packing};
 use adit_observation::tum::TumWriter;
-use adit_simulation::{Emission, MagneticTruth, Magnetometer, TruthState};
+use adit_simulation::{Emission, MagneticTruth, TruthState};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub fn run(args: &SimulateArgs) -> Result<()> {
         made.log.display(),
         made.samples,
         made.duration_s,
-        made.magnetic_lines(),
+        made.magnetic_line(),
         made.truth.display()
     ))
 }
@@ -39,8 +39,6 @@ pub struct Simulated {
     pub samples: u64,
     /// Number of magnetic samples.
     magnetic: u64,
-    /// What reads them.
-    magnetometer: Option<Magnetometer>,
     /// The largest magnetic disturbance met.
     worst: Disturbance,
     /// Length in time, s.
@@ -48,23 +46,17 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The magnetic samples, and what a calibration of their sensor should find.
-    fn magnetic_lines(&self) -> String {
-        let Some(magnetometer) = &self.magnetometer else { return String::new() };
-        let (count, Disturbance { norm_ut, time_s }) = (self.magnetic, self.worst);
-        let field = if norm_ut > 0.0 {
-            format!(", disturbed by at most {norm_ut:.1} µT at {time_s:.1} s")
-        } else {
-            " of an undisturbed field".to_owned()
-        };
-        let (a, b) = (magnetometer.response(), magnetometer.offset_ut());
-        let rows = a.row_iter().map(|row| format!("[{:.4}, {:.4}, {:.4}]", row[0], row[1], row[2]));
-        let rows = rows.collect::<Vec<_>>().join(", ");
-        format!(
-            "  with {count} magnetic samples{field}\n  \
-             read as A B + b, at the start A = [{rows}], b = [{:.2}, {:.2}, {:.2}] µT\n",
-            b.x, b.y, b.z
-        )
+    fn magnetic_line(&self) -> String {
+        let Disturbance { norm_ut, time_s } = self.worst;
+        match (self.magnetic, norm_ut > 0.0) {
+            (0, _) => String::new(),
+            (count, false) => format!("  with {count} magnetic samples of an undisturbed field\n"),
+            (count, true) => {
+                format!(
+                    "  with {count} magnetic samples, disturbed by at most {norm_ut:.1} µT at {time_s:.1} s\n"
+                )
+            }
+        }
     }
 }
 
@@ -85,7 +77,7 @@ impl Disturbance {
 
 /// Writes `log.mcap` and `truth.tum` of a scenario into a folder, sample by sample.
 pub fn simulate(scenario: &Scenario, seed: u64, folder: &Path) -> Result<Simulated> {
-    let Run { duration_s, magnetometer, emissions } = scenario.generate(seed)?;
+    let Run { duration_s, emissions } = scenario.generate(seed)?;
     make_folder(folder)?;
     let (log_path, truth_path) = (folder.join("log.mcap"), folder.join("truth.tum"));
     let mut log = McapLogWriter::create(&log_path, Packing::Lz4)?;
@@ -112,5 +104,5 @@ pub fn simulate(scenario: &Scenario, seed: u64, folder: &Path) -> Result<Simulat
     }
     log.finish()?;
     truth.finish()?;
-    Ok(Simulated { log: log_path, truth: truth_path, samples, magnetic, magnetometer, worst, duration_s })
+    Ok(Simulated { log: log_path, truth: truth_path, samples, magnetic, worst, duration_s })
 }

@@ -64,12 +64,17 @@ impl RestAlignment {
         self.field_sum += magnetic.field_ut;
     }
 
+    /// Mean specific force of what was seen, m/s².
+    pub fn mean_force_m_s2(&self) -> Vector3<f64> {
+        self.force_sum / f64::from(self.samples.max(1))
+    }
+
     /// Attitude from what was seen; `None` without a usable specific force.
     ///
     /// `declination_rad` is the angle from true to magnetic north, positive to the east.
     pub fn align(&self, declination_rad: f64) -> Option<Aligned> {
         let count = f64::from(self.samples.max(1));
-        let force = self.force_sum / count;
+        let force = self.mean_force_m_s2();
         let variance = (self.force_squared_sum / count - force.norm_squared()).max(0.0);
         let deviation = libm::sqrt(variance);
         let rate = libm::sqrt(self.rate_squared_sum / count);

@@ -29,11 +29,12 @@
 //! ```text
 //! δq ← δq ∘ r − ½ τ Ξ(q̂⁺) J_r(ω̂ dt) δε              τ = (1 − e^{−β dt})/β,   J_r right Jacobian of SO(3) (Solà 2017, eq. 143)
 //! δε ← e^{−β dt} δε                                   variance of w: q_w² (1 − e^{−2β dt})/(2β)
-//! δv ← δv + ∂(q ∘ Δv ∘ q*)/∂q δq − C dt δb_a          (Solà 2017, eq. 174)
+//! δv ← δv + ∂(q ∘ Δv ∘ q*)/∂q δq − C J_l dt δb_a + ½ dt C [Δv]× δε          (Solà 2017, eq. 174)
 //! δp ← δp + dt δv + ½ dt (what δv gains)
 //! ```
 //!
-//! What the drift does to the velocity inside one interval (of order dt²) is left out.
+//! `J_l = I + ½[ω̂ dt]× + ⅙[ω̂ dt]×²` turns the bias as the strapdown turns the force; coning and sculling corrections are
+//! not differentiated (third order in the interval).
 //!
 //! # Four numbers for three angles
 //! `q` has length 1, so `δq` is orthogonal to `q̂` and the covariance is singular in that one direction: `P (q̂,0,0,0) = 0`.
@@ -42,13 +43,24 @@
 //! `q̂`; its innovation covariance is singular there, and the gain with its pseudo-inverse is the gain of the three
 //! components `2 Ξ_L(q̂)ᵀ z` that lie in the tangent (`Ξ_L(q) φ = (0, φ) ∘ q`, a rotation vector in n). So measurement
 //! models speak of 3-vectors, the attitude's being `φ`, and the filter turns their derivatives into those by `δq`. After
-//! an update `q̂ + δq̂` is normalised, and the covariance is put into its tangent by the derivative of normalising,
-//! `I − q̂ q̂ᵀ` (Lefferts, Markley & Shuster 1982, §VIII; Zanetti et al. 2009 show that normalising is optimal).
+//! an update `q̂ + δq̂` is normalised (Zanetti et al. 2009 show that this is optimal) and the covariance carried into the
+//! tangent of the new quaternion by `Ξ_L(q̂⁺) Ξ_L(q̂)ᵀ`: uncertainty about an axis of the navigation frame stays about that
+//! axis (the reduced representation of Lefferts, Markley & Shuster 1982, §VIII, in n). Projecting it with the derivative of
+//! normalising, `I − q̂ q̂ᵀ`, is right to first order but turns that axis by half of every correction; a heading that
+//! nothing observes then leaks into the tilt and is made certain by gravity, within seconds of rest.
+//!
+//! # What nothing observes stays unknown
+//! Turn the whole walk about the vertical: no inertial sensor and no standing foot notices. In the error state that is
+//! `φ = z, δv = z × v̂, δp = z × p̂`. The transition keeps it, but a correction of `v̂` and `p̂` moves the direction under the
+//! covariance, and the filter would gain certainty of its heading from its own corrections. So the errors are carried over
+//! a correction as those of the right-invariant filter (Barrau & Bonnabel 2017), `δv ← δv + φ × Δv̂` and likewise `δp`, and
+//! the velocity of the contact is differentiated so that it does not see that direction ([`HeldContact`]).
 
 use crate::inertial::covariance::{ACC_BIAS, ATTITUDE, BLOCKS, CONTACT, GYRO_BIAS, POSITION, VELOCITY};
 use crate::inertial::filter::{FilterState, SensorNoise};
 use crate::inertial::strapdown::Increment;
 use crate::kalman::{Derivative, Innovation, Linearised, MeasurementModel};
+use crate::pedestrian::zero_velocity::ContactVelocity;
 use adit_core::attitude::{self, Attitude, skew};
 use adit_core::nalgebra::{
     Matrix3, Matrix3x4, Matrix4, Matrix4x3, Quaternion, SMatrix, SVector, Vector3, Vector4,
@@ -73,6 +85,9 @@ pub const FIRST: [usize; BLOCKS] = {
     first
 };
 const DRIFT: usize = FIRST[GYRO_BIAS];
+
+/// Attitudes further apart (`cos(θ/2)`, 157°) are taken as this far.
+const LEAST_COSINE: f64 = 0.2;
 
 /// Covariance of the error state.
 pub type ErrorCovariance = SMatrix<f64, STATES, STATES>;
@@ -148,6 +163,7 @@ struct Transition {
     quaternion_by_drift: Matrix4x3<f64>,
     drift: f64,
     velocity_by_quaternion: Matrix3x4<f64>,
+    velocity_by_drift: Matrix3<f64>,
     velocity_by_bias: Matrix3<f64>,
     interval_s: f64,
 }
@@ -159,7 +175,9 @@ impl Transition {
         let drift = m.fixed_rows::<3>(DRIFT);
         let velocity = m.fixed_rows::<3>(FIRST[VELOCITY]);
         let bias = m.fixed_rows::<3>(FIRST[ACC_BIAS]);
-        let gained = self.velocity_by_quaternion * quaternion + self.velocity_by_bias * bias;
+        let gained = self.velocity_by_quaternion * quaternion
+            + self.velocity_by_drift * drift
+            + self.velocity_by_bias * bias;
         let mut out = *m;
         out.fixed_rows_mut::<4>(QUATERNION)
             .copy_from(&(self.quaternion * quaternion + self.quaternion_by_drift * drift));
@@ -178,7 +196,7 @@ pub struct ErrorQuaternionFilter {
     pub state: FilterState,
     /// Covariance of its error.
     pub covariance: ErrorCovariance,
-    /// What the gyro read at rest, rad/s: the drift returns to it.
+    /// Drift at the last rest, rad/s: to it the drift returns.
     rest_drift_rad_s: Vector3<f64>,
     last: Increment,
     gravity_m_s2: f64,
@@ -211,10 +229,22 @@ impl ErrorQuaternionFilter {
     }
 
     /// Carries state and covariance over one sampling interval; the drift decays with `correlation_s`.
-    pub fn predict(&mut self, imu: &ImuSample, interval_s: f64, noise: &SensorNoise, correlation_s: f64) {
+    ///
+    /// A sensor that is `turning == false` keeps its attitude, whatever the gyro reads: its noise and drift add nothing then.
+    pub fn predict(
+        &mut self,
+        imu: &ImuSample,
+        interval_s: f64,
+        noise: &SensorNoise,
+        correlation_s: f64,
+        turning: bool,
+    ) {
         let state = &mut self.state.navigation;
         let before = state.attitude;
-        let increment = state.increment(imu, interval_s);
+        let mut increment = state.increment(imu, interval_s);
+        let turned_share = if turning { 1.0 } else { 0.0 };
+        increment.angle *= turned_share;
+        self.last.angle *= turned_share;
         let step = state.propagate(&increment, &self.last, interval_s, self.gravity_m_s2);
         self.last = increment;
 
@@ -225,15 +255,17 @@ impl ErrorQuaternionFilter {
 
         let after = state.attitude;
         let turned = skew(&increment.angle);
-        let right_jacobian = Matrix3::identity() - turned * 0.5 + turned * turned / 6.0;
+        let even = Matrix3::identity() + turned * turned / 6.0;
+        let (right_jacobian, left_jacobian) = (even - turned * 0.5, even + turned * 0.5);
         let xi = xi_body(&after);
         let velocity_body = step.rotation.transpose() * step.velocity_gained;
         let transition = Transition {
             quaternion: right_product(&(before.inverse() * after)),
-            quaternion_by_drift: xi * right_jacobian * (-0.5 * (1.0 - kept) * correlation_s),
+            quaternion_by_drift: xi * right_jacobian * (-0.5 * turned_share * (1.0 - kept) * correlation_s),
             drift: kept,
             velocity_by_quaternion: rotated_by_quaternion(&before, &velocity_body),
-            velocity_by_bias: step.rotation * -interval_s,
+            velocity_by_drift: step.rotation * skew(&increment.velocity) * (0.5 * turned_share * interval_s),
+            velocity_by_bias: step.rotation * left_jacobian * -interval_s,
             interval_s,
         };
         let half_way = transition.times(&self.covariance).transpose();
@@ -244,7 +276,7 @@ impl ErrorQuaternionFilter {
         let drift =
             added.gyro_bias * (1.0 - kept * kept) * (0.5 * correlation_s) / interval_s.max(f64::MIN_POSITIVE);
         let xi = xi_navigation(&after);
-        self.add(QUATERNION, &(xi * added.attitude * xi.transpose() * 0.25));
+        self.add(QUATERNION, &(xi * added.attitude * xi.transpose() * (0.25 * turned_share)));
         self.add(DRIFT, &(Matrix3::identity() * drift));
         self.add(FIRST[VELOCITY], &(Matrix3::identity() * added.velocity));
         self.add(FIRST[ACC_BIAS], &(Matrix3::identity() * added.acc_bias));
@@ -278,6 +310,13 @@ impl ErrorQuaternionFilter {
             self.feed_back(&(gain * value));
         }
         Some(Innovation { value, covariance, nis, accepted })
+    }
+
+    /// Takes the present drift for the one that the process returns to: a gyro at rest has just shown it.
+    ///
+    /// The mean of the paper's process is zero; that of a gyro is its turn-on bias, which no data sheet gives.
+    pub fn anchor_drift(&mut self) {
+        self.rest_drift_rad_s = self.state.navigation.gyro_bias_rad_s;
     }
 
     /// Adds to the covariance of the attitude, as a rotation vector in n, rad².
@@ -347,9 +386,10 @@ impl ErrorQuaternionFilter {
         h
     }
 
-    /// Adds the estimated error to the estimate, and brings quaternion and covariance back to length 1.
+    /// Adds the estimated error to the estimate, brings the quaternion back to length 1 and the covariance to its tangent.
     fn feed_back(&mut self, error: &SVector<f64, STATES>) {
         let state = &mut self.state.navigation;
+        let before = xi_navigation(&state.attitude);
         let q = wxyz(&state.attitude) + error.fixed_rows::<4>(QUATERNION);
         state.attitude = Attitude::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
         state.gyro_bias_rad_s += error.fixed_rows::<3>(DRIFT);
@@ -358,13 +398,23 @@ impl ErrorQuaternionFilter {
         state.acc_bias_m_s2 += error.fixed_rows::<3>(FIRST[ACC_BIAS]);
         self.state.contact_m += error.fixed_rows::<3>(FIRST[CONTACT]);
 
-        let q = wxyz(&state.attitude);
-        let radial = q.transpose() * self.covariance.fixed_rows::<4>(QUATERNION);
-        let mut rows = self.covariance.fixed_rows_mut::<4>(QUATERNION);
-        rows -= q * radial;
-        let radial = self.covariance.fixed_columns::<4>(QUATERNION) * q;
-        let mut columns = self.covariance.fixed_columns_mut::<4>(QUATERNION);
-        columns -= radial * q.transpose();
+        let carried = xi_navigation(&state.attitude) * before.transpose();
+        let rows = carried * self.covariance.fixed_rows::<4>(QUATERNION);
+        self.covariance.fixed_rows_mut::<4>(QUATERNION).copy_from(&rows);
+        let columns = self.covariance.fixed_columns::<4>(QUATERNION) * carried.transpose();
+        self.covariance.fixed_columns_mut::<4>(QUATERNION).copy_from(&columns);
+
+        let to_angle = xi_navigation(&self.state.navigation.attitude).transpose() * 2.0;
+        for block in [VELOCITY, POSITION] {
+            let first = FIRST[block];
+            let turned = skew(&-error.fixed_rows::<3>(first)) * to_angle;
+            let added = turned * self.covariance.fixed_rows::<4>(QUATERNION);
+            let mut rows = self.covariance.fixed_rows_mut::<3>(first);
+            rows += added;
+            let added = self.covariance.fixed_columns::<4>(QUATERNION) * turned.transpose();
+            let mut columns = self.covariance.fixed_columns_mut::<3>(first);
+            columns += added;
+        }
         self.symmetrise();
     }
 
@@ -378,12 +428,32 @@ impl ErrorQuaternionFilter {
     }
 }
 
+/// Velocity of a standing foot, [`ContactVelocity`], blind to a turn of everything about the vertical.
+///
+/// Of the two velocities that ought to be equal, that of the state and that of the rolling foot, it is the first that the
+/// attitude error turns in the derivative: with the second, their difference would pass for knowledge of the heading.
+#[derive(Debug, Clone, Copy)]
+pub struct HeldContact(
+    /// The measurement.
+    pub ContactVelocity,
+);
+
+impl MeasurementModel<FilterState, 3> for HeldContact {
+    fn linearise(&self, state: &FilterState) -> Linearised<3> {
+        let Linearised { residual, jacobian: [_, velocity, contact], noise } = self.0.linearise(state);
+        let attitude = (ATTITUDE, Derivative::Matrix(skew(&state.navigation.velocity_m_s)));
+        Linearised { residual, jacobian: [attitude, velocity, contact], noise }
+    }
+}
+
 /// The observation of S3: the gyro's quaternion `q(ω)` against `q(ε)`, the one of accelerometer and magnetometer.
 ///
+/// Of the points on the ray of `q(ε)` the one in the tangent of `q(ω)` is taken, `q(ε)/(q(ω)·q(ε))`: normalising leads from it
+/// to `q(ε)` itself, however large the difference, and sign does not matter. To first order it is `q(ε) − q(ω)`.
 /// Either part of `q(ε)` may be missing: tilt while the sensor accelerates, heading while the field is disturbed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceAttitude {
-    /// `q(ε)`; its sign does not matter.
+    /// `q(ε)`.
     pub attitude: Attitude,
     /// Gravity at the site, m/s².
     pub gravity_m_s2: f64,
@@ -398,7 +468,10 @@ impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
         let estimate = &state.navigation.attitude;
         // q and −q are one attitude: of the two differences only the shorter is an error.
         let (gyro, reference) = (wxyz(estimate), wxyz(&self.attitude));
-        let difference = if gyro.dot(&reference) < 0.0 { -reference - gyro } else { reference - gyro };
+        let cosine = gyro.dot(&reference);
+        let difference = reference
+            / if cosine < 0.0 { cosine.min(-LEAST_COSINE) } else { cosine.max(LEAST_COSINE) }
+            - gyro;
         let angle = xi_navigation(estimate).transpose() * difference * 2.0;
         let used = |sigma: Option<f64>| f64::from(u8::from(sigma.is_some()));
         let (tilt, heading) = (used(self.tilt_sigma_rad), used(self.heading_sigma_rad));

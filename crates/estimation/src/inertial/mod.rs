@@ -4,5 +4,6 @@ pub mod alignment;
 pub mod covariance;
 pub mod error_quaternion;
 pub mod filter;
+pub mod rest;
 pub mod smoother;
 pub mod strapdown;

@@ -65,7 +65,7 @@ pub struct MagneticGateParams {
 
 impl Default for MagneticGateParams {
     fn default() -> Self {
-        Self { norm_share: 0.08, dip_rad: 0.087, settle_s: 1.0, steady_heading_rad: 0.087, relearn_m: 15.0 }
+        Self { norm_share: 0.08, dip_rad: 0.087, settle_s: 2.0, steady_heading_rad: 0.087, relearn_m: 15.0 }
     }
 }
 
@@ -191,8 +191,12 @@ impl MagneticGate {
     }
 
     /// Standard deviation of the part of a disturbance that neither norm nor dip shows, µT.
-    pub fn across_ut(&self, field: &LevelField) -> f64 {
-        libm::sqrt(0.5 * self.seen_ut2(field).max(self.surroundings_ut2))
+    ///
+    /// The sensor itself is off by `sensor_sigma_ut` an axis in this attitude and was so in that of the reference: of `d̂²`,
+    /// four times its square is no disturbance.
+    pub fn across_ut(&self, field: &LevelField, sensor_sigma_ut: f64) -> f64 {
+        let seen_ut2 = self.seen_ut2(field).max(self.surroundings_ut2);
+        libm::sqrt(0.5 * (seen_ut2 - 4.0 * sensor_sigma_ut * sensor_sigma_ut).max(0.0))
     }
 
     /// `d̂²`: what norm and dip show of a disturbance, µT²; all of the field while there is no reference.

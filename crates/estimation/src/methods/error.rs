@@ -101,7 +101,7 @@ impl MethodWarning {
                 "samples are missing for {length_s:.3} s before {time} s: position is uncertain from there on"
             ),
             Self::NoMagnetometer => String::from(
-                "the log has no magnetometer at the start: the heading is relative to the sensor's x axis there",
+                "the log has no magnetometer at the start: the sensor's x axis there counts as north",
             ),
             Self::DisturbedAtStart { norm_ut } => alloc::format!(
                 "the magnetic field at the start, {norm_ut:.1} µT, is not the Earth's: the heading is uncertain until it is"

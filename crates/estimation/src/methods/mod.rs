@@ -25,6 +25,7 @@
 
 pub mod ahrs;
 mod error;
+mod foot_input;
 pub mod foot_ins;
 pub mod marg_ins;
 

@@ -40,6 +40,15 @@ impl MountingRotation {
         Ok(Self(matrix))
     }
 
+    /// The 24 rotations that lay the axes of the sensor along those of the body.
+    pub fn along_axes() -> impl Iterator<Item = Self> {
+        let pairs = DIRECTIONS.iter().flat_map(|x| DIRECTIONS.iter().map(move |y| (x, y)));
+        pairs.filter_map(|((_, x), (_, y))| {
+            let (x, y) = (Vector3::from(*x), Vector3::from(*y));
+            (x.dot(&y) == 0.0).then(|| Self(Matrix3::from_columns(&[x, y, x.cross(&y)])))
+        })
+    }
+
     /// From a quaternion, scalar first.
     pub fn from_wxyz([w, x, y, z]: [f64; 4]) -> Result<Self, String> {
         let q = Quaternion::new(w, x, y, z);
@@ -71,20 +80,40 @@ impl MountingRotation {
     }
 }
 
+/// Directions of the body with their names.
+const DIRECTIONS: [(&str, [f64; 3]); 6] = [
+    ("forward", [1.0, 0.0, 0.0]),
+    ("backward", [-1.0, 0.0, 0.0]),
+    ("left", [0.0, 1.0, 0.0]),
+    ("right", [0.0, -1.0, 0.0]),
+    ("up", [0.0, 0.0, 1.0]),
+    ("down", [0.0, 0.0, -1.0]),
+];
+
+impl fmt::Display for MountingRotation {
+    /// Axis names where the axes of the sensor lie along those of the body, else the quaternion w, x, y, z.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let along = |axis: Vector3<f64>| {
+            DIRECTIONS
+                .iter()
+                .find(|(_, d)| axis.dot(&Vector3::from(*d)) > 1.0 - TOLERANCE)
+                .map(|(name, _)| *name)
+        };
+        let [x, y, z] = [0, 1, 2].map(|axis| along(self.0.column(axis).into_owned()));
+        if let (Some(x), Some(y), Some(z)) = (x, y, z) {
+            return write!(f, "x-{x}, y-{y}, z-{z}");
+        }
+        let q = adit_core::attitude::from_matrix(&self.0);
+        write!(f, "[{:.4}, {:.4}, {:.4}, {:.4}]", q.w, q.i, q.j, q.k)
+    }
+}
+
 fn axis_index(name: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|axis| *axis == name.trim())
 }
 
 fn body_direction(name: &str) -> Option<Vector3<f64>> {
-    match name.trim() {
-        "forward" => Some(Vector3::x()),
-        "backward" => Some(-Vector3::x()),
-        "left" => Some(Vector3::y()),
-        "right" => Some(-Vector3::y()),
-        "up" => Some(Vector3::z()),
-        "down" => Some(-Vector3::z()),
-        _ => None,
-    }
+    DIRECTIONS.iter().find(|(known, _)| *known == name.trim()).map(|(_, direction)| Vector3::from(*direction))
 }
 
 impl<'de> Deserialize<'de> for MountingRotation {

@@ -55,12 +55,8 @@ impl Course {
     pub fn moving(from_m: [f64; 3], start_s: f64, moves: &[Move]) -> Result<Self, SimulationError> {
         check_within("start_s", start_s, -LATEST_S, LATEST_S, "-1e6 to 1e6 s")?;
         let mut here = Knot { time_s: start_s, position_m: point("at_m", from_m)?, yaw_rad: 0.0 };
-        let first = moves.iter().find_map(|step| match *step {
-            Move::Go { to_m, .. } => direction(&(Vector3::from(to_m) - here.position_m)),
-            Move::Stop { .. } => None,
-        });
-        here.yaw_rad = first.unwrap_or(0.0);
         let mut knots = vec![here];
+        let mut went = false;
         for step in moves {
             match *step {
                 Move::Stop { seconds } => {
@@ -71,7 +67,13 @@ impl Course {
                     check_within("speed_m_s", speed_m_s, 0.01, 100.0, "0.01 to 100 m/s")?;
                     let to = point("to_m", to_m)?;
                     let way = to - here.position_m;
-                    here.yaw_rad = direction(&way).unwrap_or(here.yaw_rad);
+                    if way.xy().norm() > 0.0 {
+                        here.yaw_rad = libm::atan2(way.y, way.x);
+                    }
+                    if !went {
+                        knots[0].yaw_rad = here.yaw_rad;
+                        went = true;
+                    }
                     knots.push(here);
                     here = Knot { time_s: here.time_s + way.norm() / speed_m_s, position_m: to, ..here };
                 }
@@ -138,11 +140,6 @@ impl Course {
             yaw_rad: before.yaw_rad + share * (after.yaw_rad - before.yaw_rad),
         }
     }
-}
-
-/// Anticlockwise from east, rad; a vertical way has none.
-fn direction(way_m: &Vector3<f64>) -> Option<f64> {
-    (way_m.xy().norm() > 0.0).then(|| libm::atan2(way_m.y, way_m.x))
 }
 
 fn point(name: &'static str, coordinates_m: [f64; 3]) -> Result<Vector3<f64>, SimulationError> {

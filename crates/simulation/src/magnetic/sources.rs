@@ -33,22 +33,22 @@ impl SteelBody {
     }
 
     /// Made stronger or weaker so that its field is `field_ut` at `distance_m` on the axis of its moment, where it is
-    /// largest; square to it, it is half. The course's first direction counts. Not inside the body.
+    /// largest; square to it, it is half. The course's first direction counts.
     pub fn with_field_at(
         self,
         earth: &EarthField,
         field_ut: f64,
         distance_m: f64,
     ) -> Result<Self, SimulationError> {
-        check_within("distance_m", distance_m, self.radius_m, 1000.0, "radius_m (default 0.3) to 1000 m")?;
+        check_within("distance_m", distance_m, 0.01, 1000.0, "0.01 to 1000 m")?;
         let (_, yaw_rad) = self.course.pose(f64::NEG_INFINITY);
         let moment_a_m2 = self.moment_a_m2(earth, yaw_rad).norm();
         let now_ut = 2.0 * MU0_OVER_4PI * moment_a_m2 / cubed(distance_m);
-        self.scaled("ut", field_ut, now_ut)
+        self.scaled("field_ut", field_ut, now_ut)
     }
 
-    /// Made stronger or weaker so that the largest field that the sensor of `motion` meets, looked for every 5 ms, is
-    /// `field_ut`.
+    /// Made stronger or weaker so that the largest field that the sensor of `motion` meets, looked for in steps of 5 ms and
+    /// then of 0.1 ms, is `field_ut`.
     pub fn with_peak_along(
         self,
         earth: &EarthField,
@@ -59,7 +59,6 @@ impl SteelBody {
         self.scaled("peak_at_sensor_ut", field_ut, now_ut)
     }
 
-    /// `name` is that of the wanted field.
     fn scaled(mut self, name: &'static str, wanted_ut: f64, now_ut: f64) -> Result<Self, SimulationError> {
         check_within(name, wanted_ut, 0.0, 1e6, "0 to 1e6 µT")?;
         let gain = wanted_ut / now_ut;
@@ -69,10 +68,7 @@ impl SteelBody {
         }
         self.permanent_a_m2 *= gain;
         self.induced_m3 *= gain;
-        self.check().map_err(|_| {
-            let expected = "a field that steel of at most 1e8 A·m² makes: bring it nearer";
-            SimulationError::Parameter { name, found: wanted_ut, expected }
-        })?;
+        self.check()?;
         Ok(self)
     }
 
@@ -146,9 +142,8 @@ impl Cable {
 
     /// Direction and current are those of a cable.
     pub fn check(&self) -> Result<(), SimulationError> {
-        for coordinate in self.through_m.iter() {
-            check_within("through_m", *coordinate, -1e5, 1e5, "-100 to 100 km")?;
-        }
+        let far = |v: &Vector3<f64>| v.amax();
+        check_within("through_m", far(&self.through_m), 0.0, 1e5, "-100 to 100 km")?;
         check_within("along", self.along.norm(), 1e-6, 1e6, "a direction of length 1e-6 to 1e6")?;
         check_within("current_a", self.current_a, -1e6, 1e6, "-1e6 to 1e6 A")?;
         check_within("frequency_hz", self.frequency_hz, 0.0, 1e4, "0 to 10 kHz")?;

@@ -23,10 +23,11 @@ pub use foot_filter::FootFilter;
 pub use params::{FootInsParams, HeadingAid, InitialSigma, RestGravityParams, ZeroRateParams};
 pub use smoothing::{FixedLag, smooth};
 
-use crate::inertial::alignment::RestAlignment;
+use crate::inertial::alignment::Aligned;
 use crate::kalman::Innovation;
+use crate::methods::foot_input::FootInput;
 use crate::methods::{MethodError, MethodWarning};
-use crate::pedestrian::stance::{Stance, StanceDetector};
+use crate::pedestrian::stance::Stance;
 use adit_core::solution::Solution;
 use adit_core::time::Time;
 use adit_observation::{ImuSample, Observation};
@@ -42,10 +43,7 @@ const WARNINGS_KEPT: usize = 100;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FootIns {
     params: FootInsParams,
-    detector: StanceDetector,
-    alignment: RestAlignment,
-    first: Option<Time>,
-    latest: Option<Time>,
+    input: FootInput,
     filter: Option<FootFilter>,
     report: FootInsReport,
 }
@@ -115,11 +113,8 @@ impl FootIns {
             return Err(MethodError::Setting { method: NAME, name });
         }
         Ok(Self {
-            detector: StanceDetector::new(params.stance.clone(), params.gravity_m_s2),
+            input: FootInput::new(&params.stance, params.site()),
             params,
-            alignment: RestAlignment::default(),
-            first: None,
-            latest: None,
             filter: None,
             report: FootInsReport::default(),
         })
@@ -138,7 +133,7 @@ impl FootIns {
 
     /// A further solution that the observations so far make due, if any.
     pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
-        match self.filter.is_some().then(|| self.detector.pop()).flatten() {
+        match self.input.next_due() {
             Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
         }
@@ -164,65 +159,25 @@ impl FootIns {
 
     /// Memory of this walker's state, bytes.
     pub fn state_bytes(&self) -> usize {
-        size_of::<Self>() + self.detector.heap_bytes()
+        size_of::<Self>() + self.input.heap_bytes()
     }
 
-    /// Checks an observation and hands it to alignment and detector; returns the sample that is now due.
+    /// Hands an observation on; returns the sample that is now due.
     #[inline]
     fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        let imu = match observation {
-            Observation::Imu(imu) => imu,
+        let Self { params, input, filter, report } = self;
+        match observation {
+            Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
             Observation::Magnetic(magnetic) => {
-                if self.filter.is_none() && magnetic.field_ut.iter().all(|v| v.is_finite()) {
-                    self.alignment.observe_magnetic(magnetic);
-                }
-                return Ok(None);
+                input.align_with(magnetic);
+                Ok(None)
             }
-        };
-        if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
-            return Err(MethodError::NotFinite { time: imu.time });
         }
-        if let Some(before) = self.latest
-            && imu.time <= before
-        {
-            return Err(MethodError::TimeNotRising { found: imu.time, before });
-        }
-        self.latest = Some(imu.time);
-        self.detector.push(*imu);
-        if self.filter.is_none() {
-            let elapsed = (imu.time - *self.first.get_or_insert(imu.time)).seconds();
-            if elapsed < self.params.alignment_s {
-                self.alignment.observe_imu(imu);
-                return Ok(None);
-            }
-            self.align()?;
-        }
-        Ok(self.detector.pop())
     }
 
     fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        if self.filter.is_none() {
-            self.align()?;
-        }
-        Ok(self.detector.drain())
-    }
-
-    /// Levels the sensor and starts the filter at the first sample.
-    fn align(&mut self) -> Result<(), MethodError> {
-        let first = self.first.ok_or(MethodError::Empty)?;
-        let gravity = self.params.gravity_m_s2;
-        let aligned = self.alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
-        if aligned.at_rest {
-            if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
-                return Err(MethodError::NotGravity { found: aligned.force_m_s2, expected: gravity });
-            }
-            self.detector.set_rest_force(aligned.force_m_s2);
-        } else {
-            self.report.warn(MethodWarning::NoRestAtStart);
-        }
-        self.report.magnetic_heading = aligned.field.is_some();
-        self.filter = Some(FootFilter::new(&self.params, first, &aligned));
-        Ok(())
+        let Self { params, input, filter, report } = self;
+        input.drain(start(params, filter, report))
     }
 
     /// Predict, and in stance update: the method.
@@ -235,5 +190,20 @@ impl FootIns {
         let finite = filter.is_finite();
         self.report.note(imu.time, gap, stance, innovation.as_ref(), finite)?;
         Ok(Some(filter.solution()))
+    }
+}
+
+/// Starts the filter at the first sample.
+fn start(
+    params: &FootInsParams,
+    filter: &mut Option<FootFilter>,
+    report: &mut FootInsReport,
+) -> impl FnOnce(Time, &Aligned) {
+    |first, aligned| {
+        if !aligned.at_rest {
+            report.warn(MethodWarning::NoRestAtStart);
+        }
+        report.magnetic_heading = aligned.field.is_some();
+        *filter = Some(FootFilter::new(params, first, aligned));
     }
 }

@@ -1,6 +1,7 @@
 //! Settings of `foot-ins`: one default for everybody, every value documented with its unit.
 
 use crate::inertial::filter::SensorNoise;
+use crate::methods::foot_input::Site;
 use crate::pedestrian::stance::StanceParams;
 use crate::pedestrian::stance_updates::ZeroVelocityParams;
 use crate::settings::{first_unusable, not_negative, positive};
@@ -102,6 +103,15 @@ impl FootInsParams {
     pub fn with_specification(mut self, specification: &ImuSpecification) -> Self {
         self.noise = self.noise.with_specification(specification);
         self
+    }
+
+    /// What the alignment needs to know.
+    pub(super) fn site(&self) -> Site {
+        Site {
+            gravity_m_s2: self.gravity_m_s2,
+            alignment_s: self.alignment_s,
+            declination_rad: self.declination_rad,
+        }
     }
 
     /// The first setting that cannot be worked with, by name.

@@ -92,7 +92,7 @@ impl FixedLag {
         let mut due = self.method.take(observation)?;
         while let Some((imu, stance)) = due {
             self.push(&imu, &stance)?;
-            due = self.method.detector.pop();
+            due = self.method.input.next_due();
         }
         Ok(self.ready.pop_front())
     }

@@ -10,6 +10,8 @@ use adit_observation::MagneticSample;
 use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
+/// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
+pub(super) const UNKNOWN_HEADING_RAD: f64 = 1.0;
 /// Readings wait no longer than this; the detector delays samples by less.
 const LONGEST_WAIT_S: i64 = 30;
 /// A stance ends when the foot has moved for this long, s.
@@ -28,7 +30,9 @@ pub(super) struct Compass {
     count: u32,
     gathered_s: f64,
     since_sighting_s: f64,
+    /// Time since the foot stood, and since this stance began, s.
     moving_s: f64,
+    still_s: f64,
     sighted_in_stance: bool,
     /// Distance walked from stance to stance, m, and the last place.
     walked_m: f64,
@@ -65,6 +69,7 @@ impl Compass {
             gathered_s: 0.0,
             since_sighting_s: 0.0,
             moving_s: 0.0,
+            still_s: 0.0,
             sighted_in_stance: false,
             walked_m: 0.0,
             place_m: Vector3::zeros(),
@@ -95,10 +100,20 @@ impl Compass {
     }
 
     /// Takes the field of the alignment; returns the standard deviation of its heading, rad.
+    ///
+    /// Of a field that is refused nothing is believed.
     pub fn start(&mut self, field: &LevelField, tilt_sigma_rad: f64, params: &MargInsParams) -> f64 {
         self.gate.start(field);
         self.used_at_m = Some(Vector3::zeros());
-        self.sigma_rad(field, tilt_sigma_rad, params)
+        if self.gate.is_disturbed() && params.magnetic_gate == GateKind::Disturbance {
+            return UNKNOWN_HEADING_RAD;
+        }
+        self.sigma_rad(field, tilt_sigma_rad, params).min(UNKNOWN_HEADING_RAD)
+    }
+
+    /// True once a field has been seen at the start or in a stance.
+    pub fn is_started(&self) -> bool {
+        self.used_at_m.is_some()
     }
 
     /// True while the gate keeps the field out.
@@ -113,7 +128,7 @@ impl Compass {
     }
 
     /// Takes the readings up to the time of a sample; in stance they are levelled with the estimate and gathered.
-    pub fn gather(&mut self, time: Time, interval_s: f64, still: bool, attitude: &Attitude) {
+    pub fn gather(&mut self, time: Time, interval_s: f64, still: bool, attitude: &Attitude, settle_s: f64) {
         self.since_sighting_s += interval_s;
         let (mut sum_ut, mut count) = (Vector3::zeros(), 0);
         self.due(time, |magnetic| {
@@ -124,11 +139,16 @@ impl Compass {
             self.moving_s += interval_s;
             if self.moving_s > SWING_S {
                 self.forget();
+                self.still_s = 0.0;
                 self.sighted_in_stance = false;
             }
             return;
         }
         self.moving_s = 0.0;
+        self.still_s += interval_s;
+        if self.still_s < settle_s {
+            return;
+        }
         self.sum_ut += sum_ut;
         self.count += count;
         self.gathered_s += interval_s;
@@ -199,7 +219,10 @@ impl Compass {
     pub fn sigma_rad(&self, field: &LevelField, tilt_sigma_rad: f64, params: &MargInsParams) -> f64 {
         let field_sigma_ut = match params.magnetic_gate {
             GateKind::None => params.heading.field_sigma_ut,
-            GateKind::Disturbance => libm::hypot(params.heading.field_sigma_ut, self.gate.across_ut(field)),
+            GateKind::Disturbance => libm::hypot(
+                params.heading.field_sigma_ut,
+                self.gate.across_ut(field, params.heading.field_sigma_ut),
+            ),
         };
         field.heading_sigma_rad(field_sigma_ut, tilt_sigma_rad)
     }

@@ -1,10 +1,10 @@
 //! The filter of `marg-ins`: what one sample with its stance does to the estimate.
 
-use super::compass::{Compass, Outcome};
+use super::compass::{Compass, Outcome, UNKNOWN_HEADING_RAD};
 use super::params::{GateKind, MargInsParams};
 use crate::inertial::alignment::Aligned;
 use crate::inertial::error_quaternion::{
-    ErrorQuaternionFilter, ReferenceAttitude, StartSigma, reference_attitude,
+    ErrorQuaternionFilter, HeldContact, ReferenceAttitude, StartSigma, reference_attitude,
 };
 use crate::inertial::filter::FilterState;
 use crate::inertial::strapdown::NavigationState;
@@ -21,8 +21,10 @@ use adit_core::time::Time;
 use adit_observation::{ImuSample, MagneticSample};
 use serde::{Deserialize, Serialize};
 
-/// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
-const UNKNOWN_HEADING_RAD: f64 = 1.0;
+/// Time over which the rate at rest is averaged, s.
+const MEAN_RATE_S: f64 = 0.5;
+/// Heading that defines north itself, for want of a magnetometer, standard deviation, rad.
+const RELATIVE_HEADING_RAD: f64 = 1e-3;
 
 /// Estimate of one walker, with the little memory that the updates need.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +37,8 @@ pub struct MargFilter {
     awaiting_stance: bool,
     time: Time,
     interval_s: f64,
+    /// Mean rate at rest beside the drift, rad/s.
+    mean_rate_rad_s: Vector3<f64>,
     /// Time since the last zero-rate and the last tilt update, s.
     since_rate_s: f64,
     since_tilt_s: f64,
@@ -54,14 +58,11 @@ impl MargFilter {
         let mut compass = Compass::new(params);
         let heading_sigma_rad = match &aligned.field {
             Some(field) if aligned.at_rest => compass.start(field, start.tilt_rad, params),
-            _ => UNKNOWN_HEADING_RAD,
+            Some(_) => UNKNOWN_HEADING_RAD,
+            None => RELATIVE_HEADING_RAD,
         };
         let sigma = StartSigma {
-            attitude_rad: Vector3::new(
-                start.tilt_rad,
-                start.tilt_rad,
-                heading_sigma_rad.min(UNKNOWN_HEADING_RAD),
-            ),
+            attitude_rad: Vector3::new(start.tilt_rad, start.tilt_rad, heading_sigma_rad),
             drift_rad_s: start.drift_rad_s,
             velocity_m_s: start.velocity_m_s,
             position_m: start.position_m,
@@ -75,6 +76,7 @@ impl MargFilter {
             awaiting_stance: !aligned.at_rest,
             time,
             interval_s: 0.0,
+            mean_rate_rad_s: Vector3::zeros(),
             since_rate_s: LONG_AGO_S,
             since_tilt_s: LONG_AGO_S,
             params: params.clone(),
@@ -88,12 +90,14 @@ impl MargFilter {
     }
 
     /// Takes a reading of the magnetometer; it is used when the sample of its time is.
-    pub(super) fn push_magnetic(&mut self, magnetic: MagneticSample) {
-        self.compass.push(magnetic);
+    pub(super) fn push_magnetic(&mut self, magnetic: &MagneticSample) {
+        if magnetic.field_ut.iter().all(|v| v.is_finite()) {
+            self.compass.push(*magnetic);
+        }
     }
 
     /// Carries the estimate to the time of the sample.
-    pub fn predict(&mut self, imu: &ImuSample) {
+    pub fn predict(&mut self, imu: &ImuSample, stance: &Stance) {
         let gap = self.gap_before(imu);
         let interval_s = if gap.is_some() { 0.0 } else { (imu.time - self.time).seconds() };
         self.time = imu.time;
@@ -108,7 +112,20 @@ impl MargFilter {
             self.filter.inflate_motion(0.0, UnknownMotion::over(interval_s).position);
             return;
         }
-        self.filter.predict(imu, interval_s, &self.params.noise, self.params.drift_correlation_s);
+        let turning = self.is_turning(imu, stance, interval_s);
+        self.filter.predict(imu, interval_s, &self.params.noise, self.params.drift_correlation_s, turning);
+    }
+
+    /// False for a foot that has rested for a while and whose mean rate is its drift.
+    fn is_turning(&mut self, imu: &ImuSample, stance: &Stance, interval_s: f64) -> bool {
+        let z = &self.params.zero_velocity;
+        let resting = self.updates.is_resting(z) && stance.statistic < z.rest_statistic;
+        let rate = imu.angular_rate_rad_s - self.filter.state.navigation.gyro_bias_rad_s;
+        let share = if resting { (interval_s / MEAN_RATE_S).min(1.0) } else { 1.0 };
+        self.mean_rate_rad_s += (rate - self.mean_rate_rad_s) * share;
+        let still =
+            self.mean_rate_rad_s.norm_squared() < self.params.turning_rad_s * self.params.turning_rad_s;
+        !(resting && still)
     }
 
     /// In stance: zero velocity, then, of a foot that is still enough, zero rate and the reference `q(ε)`.
@@ -120,7 +137,8 @@ impl MargFilter {
         }
         self.updates.observe(stance, self.interval_s, &self.params.zero_velocity);
         let attitude = self.filter.state.navigation.attitude;
-        self.compass.gather(self.time, self.interval_s, stance.is_still(), &attitude);
+        let settle_s = self.params.heading.settle_s;
+        self.compass.gather(self.time, self.interval_s, stance.is_still(), &attitude, settle_s);
         if !stance.is_still() {
             return (None, None);
         }
@@ -176,7 +194,7 @@ impl MargFilter {
             sigma_m_s: z.sigma_m_s(stance),
             lever_sigma_m: z.lever_sigma_m,
         };
-        let innovation = self.filter.update(&contact, gate)?;
+        let innovation = self.filter.update(&HeldContact(contact), gate)?;
         self.updates.note(&innovation, stance, z);
         Some(innovation)
     }
@@ -192,6 +210,7 @@ impl MargFilter {
         let zero_rate =
             ZeroRate { angular_rate_rad_s: imu.angular_rate_rad_s, sigma_rad_s: r.sigma_rad_s(&rate) };
         self.filter.update(&zero_rate, f64::INFINITY);
+        self.filter.anchor_drift();
     }
 
     /// Near rest the accelerometer gives the tilt of `q(ε)`.
@@ -216,6 +235,11 @@ impl MargFilter {
     fn hold_heading(&mut self) -> Option<f64> {
         let position_m = self.filter.state.navigation.position_m;
         let sighting = self.compass.sight(&self.params, &position_m)?;
+        if !self.compass.is_started() {
+            // The first reading of a magnetometer that was silent at the start: what was north before is not.
+            self.compass.start(&sighting.field, self.filter.tilt_sigma_rad(), &self.params);
+            self.inflate_heading(UNKNOWN_HEADING_RAD);
+        }
         let tilt_sigma_rad = libm::hypot(self.params.heading.tilt_sigma_rad, self.filter.tilt_sigma_rad());
         let sigma_rad = self.compass.sigma_rad(&sighting.field, tilt_sigma_rad, &self.params);
         let (offset, variance) = (sighting.heading_offset_rad, self.filter.heading_variance());
@@ -239,8 +263,13 @@ impl MargFilter {
             self.filter.update(&reference, f64::INFINITY);
         }
         let opened = self.compass.note(&sighting, outcome, &position_m)?;
-        self.filter.inflate_attitude(&Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, opened * opened)));
+        self.inflate_heading(opened);
         Some(opened)
+    }
+
+    fn inflate_heading(&mut self, sigma_rad: f64) {
+        let variance = Vector3::new(0.0, 0.0, sigma_rad * sigma_rad);
+        self.filter.inflate_attitude(&Matrix3::from_diagonal(&variance));
     }
 
     /// Levels the sensor in the middle of the first stance, as still as the statistic says; false while there is none.
@@ -256,12 +285,11 @@ impl MargFilter {
         let (attitude, heading_rad) = match compass {
             Some(c) => (c.attitude, self.compass.start(&c.field, tilt_rad, &self.params)),
             None => match attitude::level(force, 0.0) {
-                Some(level) => (level, UNKNOWN_HEADING_RAD),
+                Some(level) => (level, RELATIVE_HEADING_RAD),
                 None => return false,
             },
         };
         self.awaiting_stance = false;
-        let heading_rad = heading_rad.min(UNKNOWN_HEADING_RAD);
         self.filter.restart_attitude(attitude, &Vector3::new(tilt_rad, tilt_rad, heading_rad));
         true
     }

@@ -18,7 +18,7 @@ impl Method for MargIns {
     }
 
     fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
-        match self.filter.is_some().then(|| self.detector.pop()).flatten() {
+        match self.input.next_due() {
             Some((imu, stance)) => self.advance(&imu, &stance),
             None => Ok(None),
         }

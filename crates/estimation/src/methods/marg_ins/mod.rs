@@ -24,10 +24,11 @@ pub use compass::CompassFigures;
 pub use marg_filter::MargFilter;
 pub use params::{GateKind, HeadingParams, MargInsParams, StartParams};
 
-use crate::inertial::alignment::RestAlignment;
+use crate::inertial::alignment::Aligned;
 use crate::magnetic::gate::ReferenceField;
+use crate::methods::foot_input::FootInput;
 use crate::methods::{MethodError, MethodWarning};
-use crate::pedestrian::stance::{Stance, StanceDetector};
+use crate::pedestrian::stance::Stance;
 use adit_core::solution::Solution;
 use adit_core::time::Time;
 use adit_observation::{ImuSample, Observation};
@@ -43,10 +44,7 @@ const WARNINGS_KEPT: usize = 100;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MargIns {
     params: MargInsParams,
-    detector: StanceDetector,
-    alignment: RestAlignment,
-    first: Option<Time>,
-    latest: Option<Time>,
+    input: FootInput,
     filter: Option<MargFilter>,
     report: MargInsReport,
 }
@@ -77,11 +75,8 @@ impl MargIns {
     pub fn new(params: MargInsParams) -> Result<Self, MethodError> {
         params.check()?;
         Ok(Self {
-            detector: StanceDetector::new(params.stance.clone(), params.gravity_m_s2),
+            input: FootInput::new(&params.stance, params.site()),
             params,
-            alignment: RestAlignment::default(),
-            first: None,
-            latest: None,
             filter: None,
             report: MargInsReport::default(),
         })
@@ -95,81 +90,34 @@ impl MargIns {
     /// Memory of this walker's state, bytes.
     pub fn state_bytes(&self) -> usize {
         let compass = self.filter.as_ref().map_or(0, |filter| filter.compass().heap_bytes());
-        size_of::<Self>() + self.detector.heap_bytes() + compass
+        size_of::<Self>() + self.input.heap_bytes() + compass
     }
 
-    /// Checks an observation and hands it to alignment, compass and detector; returns the sample that is now due.
+    /// Hands an observation on; returns the sample that is now due.
     fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        let imu = match observation {
-            Observation::Imu(imu) => imu,
+        let Self { params, input, filter, report } = self;
+        match observation {
+            Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
             Observation::Magnetic(magnetic) => {
-                if magnetic.field_ut.iter().all(|v| v.is_finite()) {
-                    match &mut self.filter {
-                        Some(filter) => filter.push_magnetic(*magnetic),
-                        None => self.alignment.observe_magnetic(magnetic),
-                    }
+                let aligning = input.align_with(magnetic);
+                if let (Some(filter), false) = (filter, aligning) {
+                    filter.push_magnetic(magnetic);
                 }
-                return Ok(None);
+                Ok(None)
             }
-        };
-        if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
-            return Err(MethodError::NotFinite { time: imu.time });
         }
-        if let Some(before) = self.latest
-            && imu.time <= before
-        {
-            return Err(MethodError::TimeNotRising { found: imu.time, before });
-        }
-        self.latest = Some(imu.time);
-        self.detector.push(*imu);
-        if self.filter.is_none() {
-            let elapsed = (imu.time - *self.first.get_or_insert(imu.time)).seconds();
-            if elapsed < self.params.alignment_s {
-                self.alignment.observe_imu(imu);
-                return Ok(None);
-            }
-            self.align()?;
-        }
-        Ok(self.detector.pop())
     }
 
     fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        if self.filter.is_none() {
-            self.align()?;
-        }
-        Ok(self.detector.drain())
-    }
-
-    /// Levels the sensor, takes its heading and starts the filter at the first sample.
-    fn align(&mut self) -> Result<(), MethodError> {
-        let first = self.first.ok_or(MethodError::Empty)?;
-        let gravity = self.params.gravity_m_s2;
-        let aligned = self.alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
-        if aligned.at_rest {
-            if !(0.5..=1.5).contains(&(aligned.force_m_s2 / gravity)) {
-                return Err(MethodError::NotGravity { found: aligned.force_m_s2, expected: gravity });
-            }
-            self.detector.set_rest_force(aligned.force_m_s2);
-        } else {
-            self.warn(MethodWarning::NoRestAtStart);
-        }
-        match &aligned.field {
-            None => self.warn(MethodWarning::NoMagnetometer),
-            Some(_) => self.report.magnetic_heading = true,
-        }
-        let filter = MargFilter::new(&self.params, first, &aligned);
-        if let (Some(field), true) = (&aligned.field, filter.starts_disturbed()) {
-            self.warn(MethodWarning::DisturbedAtStart { norm_ut: field.norm_ut });
-        }
-        self.filter = Some(filter);
-        Ok(())
+        let Self { params, input, filter, report } = self;
+        input.drain(start(params, filter, report))
     }
 
     /// Predict, in stance update, feed back: the method.
     fn advance(&mut self, imu: &ImuSample, stance: &Stance) -> Result<Option<Solution>, MethodError> {
         let filter = self.filter.as_mut().ok_or(MethodError::Empty)?;
         let gap = filter.gap_before(imu);
-        filter.predict(imu);
+        filter.predict(imu, stance);
         let (innovation, opened) = filter.correct(imu, stance);
         if !filter.is_finite() {
             return Err(MethodError::Diverged { time: imu.time });
@@ -185,17 +133,42 @@ impl MargIns {
         self.report.headings = filter.compass().figures();
         self.report.reference_field = filter.compass().reference();
         if let Some(length_s) = gap {
-            self.warn(MethodWarning::Gap { time: imu.time, length_s });
+            self.report.warn(MethodWarning::Gap { time: imu.time, length_s });
         }
         if let Some(offset_rad) = opened {
-            self.warn(MethodWarning::HeadingOpened { time: imu.time, offset_deg: offset_rad.to_degrees() });
+            self.report
+                .warn(MethodWarning::HeadingOpened { time: imu.time, offset_deg: offset_rad.to_degrees() });
         }
         Ok(Some(solution))
     }
+}
 
+impl MargInsReport {
     fn warn(&mut self, warning: MethodWarning) {
-        if self.report.warnings.len() < WARNINGS_KEPT {
-            self.report.warnings.push(warning);
+        if self.warnings.len() < WARNINGS_KEPT {
+            self.warnings.push(warning);
         }
+    }
+}
+
+/// Starts the filter at the first sample.
+fn start(
+    params: &MargInsParams,
+    filter: &mut Option<MargFilter>,
+    report: &mut MargInsReport,
+) -> impl FnOnce(Time, &Aligned) {
+    |first, aligned| {
+        if !aligned.at_rest {
+            report.warn(MethodWarning::NoRestAtStart);
+        }
+        let started = MargFilter::new(params, first, aligned);
+        match &aligned.field {
+            None => report.warn(MethodWarning::NoMagnetometer),
+            Some(field) if started.starts_disturbed() => {
+                report.warn(MethodWarning::DisturbedAtStart { norm_ut: field.norm_ut });
+            }
+            Some(_) => report.magnetic_heading = true,
+        }
+        *filter = Some(started);
     }
 }

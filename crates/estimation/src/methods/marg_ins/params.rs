@@ -4,6 +4,7 @@ use super::NAME;
 use crate::inertial::filter::SensorNoise;
 use crate::magnetic::gate::{MagneticGateParams, ReferenceField};
 use crate::methods::MethodError;
+use crate::methods::foot_input::Site;
 use crate::methods::foot_ins::{RestGravityParams, ZeroRateParams};
 use crate::pedestrian::stance::StanceParams;
 use crate::pedestrian::stance_updates::ZeroVelocityParams;
@@ -26,6 +27,8 @@ pub struct MargInsParams {
     pub lost_after_s: f64,
     /// Correlation time `1/β` of the gyro drift, s; its random walk is that of `noise`.
     pub drift_correlation_s: f64,
+    /// Mean rate of a resting foot, rad/s, above which it stands on something that turns.
+    pub turning_rad_s: f64,
     /// What keeps a disturbed field out.
     pub magnetic_gate: GateKind,
     /// Stance detector.
@@ -77,6 +80,8 @@ pub struct StartParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeadingParams {
+    /// Time of a stance that passes before readings count, s: a magnetometer of 10 Hz bandwidth still sees the swing.
+    pub settle_s: f64,
     /// Time over which the field of a stance is averaged for one heading, s.
     pub average_s: f64,
     /// Standard deviation of a calibrated reading across the meridian in a good place, µT.
@@ -94,6 +99,15 @@ pub struct HeadingParams {
 }
 
 impl MargInsParams {
+    /// What the alignment needs to know.
+    pub(super) fn site(&self) -> Site {
+        Site {
+            gravity_m_s2: self.gravity_m_s2,
+            alignment_s: self.alignment_s,
+            declination_rad: self.declination_rad,
+        }
+    }
+
     /// Checks that every number is in its range.
     pub(super) fn check(&self) -> Result<(), MethodError> {
         let (i, h, d) = (&self.initial, &self.heading, &self.heading.disturbance);
@@ -103,6 +117,7 @@ impl MargInsParams {
             ("declination_rad", self.declination_rad.is_finite()),
             ("gap_s", positive(self.gap_s)),
             ("lost_after_s", positive(self.lost_after_s)),
+            ("turning_rad_s", not_negative(self.turning_rad_s)),
             ("drift_correlation_s", positive(self.drift_correlation_s)),
             ("initial.tilt_rad", positive(i.tilt_rad)),
             ("initial.velocity_m_s", positive(i.velocity_m_s)),
@@ -110,6 +125,7 @@ impl MargInsParams {
             ("initial.drift_rad_s", positive(i.drift_rad_s)),
             ("initial.acc_bias_m_s2", not_negative(i.acc_bias_m_s2)),
             ("initial.contact_m", not_negative(i.contact_m)),
+            ("heading.settle_s", not_negative(h.settle_s)),
             ("heading.average_s", not_negative(h.average_s)),
             ("heading.field_sigma_ut", positive(h.field_sigma_ut)),
             ("heading.tilt_sigma_rad", not_negative(h.tilt_sigma_rad)),
@@ -145,6 +161,7 @@ impl Default for MargInsParams {
             gap_s: 0.25,
             lost_after_s: 10.0,
             drift_correlation_s: 1000.0,
+            turning_rad_s: 0.02,
             magnetic_gate: GateKind::Disturbance,
             stance: StanceParams::default(),
             noise: SensorNoise::default(),
@@ -173,6 +190,7 @@ impl Default for StartParams {
 impl Default for HeadingParams {
     fn default() -> Self {
         Self {
+            settle_s: 0.1,
             average_s: 0.05,
             field_sigma_ut: 1.0,
             tilt_sigma_rad: 0.01,
