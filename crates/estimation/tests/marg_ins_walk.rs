@@ -247,14 +247,14 @@ fn what_is_no_sample_is_refused_and_leaves_the_walker_as_he_was() {
 
 #[test]
 fn a_log_without_samples_and_a_setting_out_of_range_are_errors() {
-    assert_eq!(run(told(), &[]).unwrap_err(), MethodError::Empty);
     type Change = fn(&mut MargInsParams);
+    assert_eq!(run(told(), &[]).unwrap_err(), MethodError::Empty);
     let changes: [(&str, Change); 7] = [
         ("drift_correlation_s", |p| p.drift_correlation_s = 0.0),
         ("initial.drift_rad_s", |p| p.initial.drift_rad_s = f64::NAN),
         ("heading.field_sigma_ut", |p| p.heading.field_sigma_ut = 0.0),
         ("heading.reference.norm_ut", |p| {
-            p.heading.reference = Some(ReferenceField { norm_ut: -1.0, dip_rad: 0.0 })
+            p.heading.reference = Some(ReferenceField { norm_ut: -1.0, dip_rad: 0.0 });
         }),
         ("heading.disturbance.relearn_m", |p| p.heading.disturbance.relearn_m = f64::INFINITY),
         ("stance.gain", |p| p.stance.gain = -1.0),
@@ -270,7 +270,7 @@ fn a_log_without_samples_and_a_setting_out_of_range_are_errors() {
 
 #[test]
 fn a_method_without_a_smoother_says_so() {
-    assert!(!MargInsParams::FIXED_LAG && !MargInsParams::WHOLE_LOG);
+    const { assert!(!MargInsParams::FIXED_LAG && !MargInsParams::WHOLE_LOG) };
     assert!(matches!(told().start_fixed_lag(1.0), Err(MethodError::NoSmoother { method: "marg-ins", .. })));
     assert!(matches!(told().smooth(&[], &mut |_| ()), Err(MethodError::NoSmoother { .. })));
 }
