@@ -23,6 +23,7 @@
 //! | 10–12 | `δp` | position, n | m |
 //! | 13–15 | `δb_a` | accelerometer bias, body | m/s² |
 //! | 16–18 | `δr` | lever from the point of contact to the sensor, body | m |
+//! | 19–21 | `δm` | what a calibration leaves of the hard iron, body | µT |
 //!
 //! Over one interval with rotation `r = exp(ω̂ dt)` the quaternion part is linear, so that the transition is exact in it:
 //!
@@ -71,17 +72,20 @@ use adit_observation::ImuSample;
 use serde::{Deserialize, Serialize};
 
 /// Number of error states.
-pub const STATES: usize = 19;
+pub const STATES: usize = 22;
 /// First state of the error quaternion.
 pub const QUATERNION: usize = 0;
-/// First state of each 3-vector of [`crate::inertial::covariance`]; that of the attitude stands for the quaternion's.
-pub const FIRST: [usize; BLOCKS] = {
-    let mut first = [QUATERNION; BLOCKS];
+/// Index of the 3-vector of the hard iron, after those of [`crate::inertial::covariance`].
+pub const HARD_IRON: usize = BLOCKS;
+/// First state of each 3-vector; that of the attitude stands for the quaternion's.
+pub const FIRST: [usize; BLOCKS + 1] = {
+    let mut first = [QUATERNION; BLOCKS + 1];
     first[GYRO_BIAS] = 4;
     first[VELOCITY] = 7;
     first[POSITION] = 10;
     first[ACC_BIAS] = 13;
     first[CONTACT] = 16;
+    first[HARD_IRON] = 19;
     first
 };
 const DRIFT: usize = FIRST[GYRO_BIAS];
@@ -107,6 +111,8 @@ pub struct StartSigma {
     pub acc_bias_m_s2: f64,
     /// Lever to the point of contact, m, each axis.
     pub contact_m: f64,
+    /// Hard iron, µT, each axis.
+    pub hard_iron_ut: f64,
 }
 
 /// `q ∘ (0, v) = Ξ(q) v`: body vectors.
@@ -194,7 +200,9 @@ impl Transition {
 pub struct ErrorQuaternionFilter {
     /// Estimate; its gyro bias is the drift at rest and `ε`.
     pub state: FilterState,
-    /// Covariance of its error.
+    /// Estimate of the hard iron that the calibration has left, µT, body.
+    pub hard_iron_ut: Vector3<f64>,
+    /// Covariance of the error.
     pub covariance: ErrorCovariance,
     /// Drift at the last rest, rad/s: to it the drift returns.
     rest_drift_rad_s: Vector3<f64>,
@@ -216,12 +224,14 @@ impl ErrorQuaternionFilter {
             (POSITION, sigma.position_m),
             (ACC_BIAS, sigma.acc_bias_m_s2),
             (CONTACT, sigma.contact_m),
+            (HARD_IRON, sigma.hard_iron_ut),
         ] {
             covariance.fixed_view_mut::<3, 3>(FIRST[block], FIRST[block]).copy_from(&square(sigma));
         }
         Self {
             rest_drift_rad_s: state.navigation.gyro_bias_rad_s,
             state,
+            hard_iron_ut: Vector3::zeros(),
             covariance,
             last: Increment::default(),
             gravity_m_s2,
@@ -319,6 +329,12 @@ impl ErrorQuaternionFilter {
         self.rest_drift_rad_s = self.state.navigation.gyro_bias_rad_s;
     }
 
+    /// Covariance of what a measurement would differ by, without its own noise: `H P Hᵀ`.
+    pub fn predicted<const N: usize>(&self, model: &impl MeasurementModel<FilterState, N>) -> Matrix3<f64> {
+        let h = self.jacobian(&model.linearise(&self.state));
+        h * self.covariance * h.transpose()
+    }
+
     /// Adds to the covariance of the attitude, as a rotation vector in n, rad².
     pub fn inflate_attitude(&mut self, variance: &Matrix3<f64>) {
         let xi = xi_navigation(&self.state.navigation.attitude);
@@ -397,6 +413,7 @@ impl ErrorQuaternionFilter {
         state.position_m += error.fixed_rows::<3>(FIRST[POSITION]);
         state.acc_bias_m_s2 += error.fixed_rows::<3>(FIRST[ACC_BIAS]);
         self.state.contact_m += error.fixed_rows::<3>(FIRST[CONTACT]);
+        self.hard_iron_ut += error.fixed_rows::<3>(FIRST[HARD_IRON]);
 
         let carried = xi_navigation(&state.attitude) * before.transpose();
         let rows = carried * self.covariance.fixed_rows::<4>(QUATERNION);
@@ -461,10 +478,12 @@ pub struct ReferenceAttitude {
     pub tilt_sigma_rad: Option<f64>,
     /// Standard deviation of its heading, rad; `None` when there is none.
     pub heading_sigma_rad: Option<f64>,
+    /// Derivative of its heading (counter-clockwise, as `φ`) by the hard iron, rad/µT, body.
+    pub heading_by_iron: Vector3<f64>,
 }
 
-impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
-    fn linearise(&self, state: &FilterState) -> Linearised<2> {
+impl MeasurementModel<FilterState, 3> for ReferenceAttitude {
+    fn linearise(&self, state: &FilterState) -> Linearised<3> {
         let estimate = &state.navigation.attitude;
         // q and −q are one attitude: of the two differences only the shorter is an error.
         let (gyro, reference) = (wxyz(estimate), wxyz(&self.attitude));
@@ -479,6 +498,7 @@ impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
         // The bias tilts the measured vertical: up × z = φ_level − z × (C δb)/g.
         let rotation = estimate.to_rotation_matrix().into_inner();
         let by_bias = skew(&Vector3::z()) * rotation * (-tilt / self.gravity_m_s2);
+        let by_iron = Vector3::z() * self.heading_by_iron.transpose() * heading;
         // A row of zeros with any noise carries no information.
         let variance = |sigma: Option<f64>| sigma.map_or(1.0, |sigma| sigma * sigma);
         let (tilt, heading) = (variance(self.tilt_sigma_rad), variance(self.heading_sigma_rad));
@@ -487,6 +507,7 @@ impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
             jacobian: [
                 (ATTITUDE, Derivative::Matrix(Matrix3::from_diagonal(&used))),
                 (ACC_BIAS, Derivative::Matrix(by_bias)),
+                (HARD_IRON, Derivative::Matrix(by_iron)),
             ],
             noise: Matrix3::from_diagonal(&Vector3::new(tilt, tilt, heading)),
         }
