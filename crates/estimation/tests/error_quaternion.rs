@@ -7,10 +7,10 @@ use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Matrix3, Quaternion, SMatrix, SVector, Vector3, Vector4};
 use adit_estimation::inertial::covariance::{ACC_BIAS, CONTACT, GYRO_BIAS, POSITION, VELOCITY};
 use adit_estimation::inertial::error_quaternion::{
-    ErrorQuaternionFilter, FIRST, HARD_IRON, ReferenceAttitude, STATES, StartSigma, reference_attitude,
-    xi_body, xi_navigation,
+    ErrorQuaternionFilter, FIRST, HARD_IRON, STATES, StartSigma, xi_body, xi_navigation,
 };
 use adit_estimation::inertial::filter::{FilterState, SensorNoise};
+use adit_estimation::inertial::reference_attitude::{ReferenceAttitude, reference_attitude};
 use adit_estimation::inertial::strapdown::{Increment, NavigationState};
 use adit_estimation::kalman::MeasurementModel;
 use adit_observation::ImuSample;

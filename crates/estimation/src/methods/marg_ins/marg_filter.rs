@@ -3,10 +3,9 @@
 use super::compass::{Compass, Outcome, UNKNOWN_HEADING_RAD};
 use super::params::{GateKind, MargInsParams};
 use crate::inertial::alignment::Aligned;
-use crate::inertial::error_quaternion::{
-    ErrorQuaternionFilter, HeldContact, ReferenceAttitude, StartSigma, reference_attitude,
-};
+use crate::inertial::error_quaternion::{ErrorQuaternionFilter, StartSigma};
 use crate::inertial::filter::FilterState;
+use crate::inertial::reference_attitude::{HeldContact, ReferenceAttitude, reference_attitude};
 use crate::inertial::strapdown::NavigationState;
 use crate::kalman::Innovation;
 use crate::magnetic::heading::{LevelField, tilt_compensated};
