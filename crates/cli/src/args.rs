@@ -91,6 +91,17 @@ impl Adit {
             let what = "-o and --json cannot both go to stdout";
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
         }
+        if let Verb::Track(TrackArgs { method, smooth, lag, .. }) = args.verb {
+            let over = match () {
+                () if smooth && !method.has_whole_log() => Some("--smooth"),
+                () if lag.is_some() && !method.has_fixed_lag() => Some("--lag"),
+                () => None,
+            };
+            if let Some(flag) = over {
+                let what = format!("{} has no smoother: {flag} cannot be used with it", method.name());
+                return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
+            }
+        }
         Ok(args)
     }
 }

@@ -49,6 +49,16 @@ impl MethodName {
         with_settings!(self, S => S::NAME)
     }
 
+    /// Whether it smooths over a fixed lag.
+    pub fn has_fixed_lag(self) -> bool {
+        with_settings!(self, S => S::FIXED_LAG)
+    }
+
+    /// Whether it smooths over the whole log.
+    pub fn has_whole_log(self) -> bool {
+        with_settings!(self, S => S::WHOLE_LOG)
+    }
+
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {

@@ -130,10 +130,9 @@ fn vertical_axis(sensor_up: &Vector3<f64>) -> (&'static str, &'static str) {
 /// that point anywhere.
 fn largest_tilt_deg(location: Option<Location>) -> Option<f64> {
     match location {
-        // An instep falls off forward by 20–40°, and feet stand on slopes and sit under chairs.
-        Some(Location::Foot) => Some(65.0),
-        // A shin of a sitting person slants by 30°, that of a kneeling one lies down.
-        Some(Location::Shank) => Some(65.0),
+        // An instep falls off forward by 20–40°, and feet stand on slopes and sit under chairs; a shin of a sitting person
+        // slants by 30°.
+        Some(Location::Foot | Location::Shank) => Some(65.0),
         // Trunk and belly lean by 30°, a person working bent by 50°.
         Some(Location::Waist | Location::Chest) => Some(60.0),
         // The steepest drivable slope is about 20°.

@@ -208,7 +208,7 @@ fn the_seed_decides_the_simulation() {
 fn a_scenario_that_cannot_be_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for (change, expected) in [
-        (("seconds = 3.0", "seconds = -3.0"), "adit: walk.toml:7: seconds is -3, expected"),
+        (("seconds = 3.0", "seconds = -3.0"), "adit: walk.toml:7: seconds is -3, expected 0 to 1e6 s"),
         (("\"walk\"", "\"hover\""), "unknown gait \"hover\", expected walk"),
         (("seed = 3", "seed = \"x\""), "adit: walk.toml:3: "),
     ] {

@@ -7,10 +7,10 @@ use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Matrix3, Quaternion, SMatrix, SVector, Vector3, Vector4};
 use adit_estimation::inertial::covariance::{ACC_BIAS, CONTACT, GYRO_BIAS, POSITION, VELOCITY};
 use adit_estimation::inertial::error_quaternion::{
-    ErrorQuaternionFilter, FIRST, ReferenceAttitude, STATES, StartSigma, reference_attitude, xi_body,
-    xi_navigation,
+    ErrorQuaternionFilter, FIRST, HARD_IRON, STATES, StartSigma, xi_body, xi_navigation,
 };
 use adit_estimation::inertial::filter::{FilterState, SensorNoise};
+use adit_estimation::inertial::reference_attitude::{ReferenceAttitude, reference_attitude};
 use adit_estimation::inertial::strapdown::{Increment, NavigationState};
 use adit_estimation::kalman::MeasurementModel;
 use adit_observation::ImuSample;
@@ -37,6 +37,7 @@ const SIGMA: StartSigma = StartSigma {
     position_m: 0.3,
     acc_bias_m_s2: 0.2,
     contact_m: 0.1,
+    hard_iron_ut: 0.3,
 };
 
 fn vector(range: f64) -> impl Strategy<Value = Vector3<f64>> {
@@ -67,7 +68,7 @@ fn wxyz(q: &Attitude) -> Vector4<f64> {
 }
 
 /// All that is estimated as one vector, in the order of the error state.
-fn flat(state: &FilterState) -> SVector<f64, STATES> {
+fn flat(state: &FilterState, iron: &Vector3<f64>) -> SVector<f64, STATES> {
     let n = &state.navigation;
     let mut x = SVector::<f64, STATES>::zeros();
     x.fixed_rows_mut::<4>(0).copy_from(&wxyz(&n.attitude));
@@ -76,11 +77,12 @@ fn flat(state: &FilterState) -> SVector<f64, STATES> {
     x.fixed_rows_mut::<3>(FIRST[POSITION]).copy_from(&n.position_m);
     x.fixed_rows_mut::<3>(FIRST[ACC_BIAS]).copy_from(&n.acc_bias_m_s2);
     x.fixed_rows_mut::<3>(FIRST[CONTACT]).copy_from(&state.contact_m);
+    x.fixed_rows_mut::<3>(FIRST[HARD_IRON]).copy_from(iron);
     x
 }
 
 /// The state moved by a small error that keeps the quaternion at length 1: (rotation in n, drift, velocity, …).
-fn moved(state: &FilterState, error: &SVector<f64, 18>) -> FilterState {
+fn moved(state: &FilterState, error: &SVector<f64, 21>) -> FilterState {
     let part = |first: usize| error.fixed_rows::<3>(first).into_owned();
     let mut s = *state;
     s.navigation.attitude = attitude::turn_navigation(&state.navigation.attitude, &part(0));
@@ -92,11 +94,11 @@ fn moved(state: &FilterState, error: &SVector<f64, 18>) -> FilterState {
     s
 }
 
-/// From these 18 to the 19 of the error state.
-fn spread(q: &Attitude) -> SMatrix<f64, STATES, 18> {
-    let mut t = SMatrix::<f64, STATES, 18>::zeros();
+/// From these 21 to the 22 of the error state.
+fn spread(q: &Attitude) -> SMatrix<f64, STATES, 21> {
+    let mut t = SMatrix::<f64, STATES, 21>::zeros();
     t.fixed_view_mut::<4, 3>(0, 0).copy_from(&(xi_navigation(q) * 0.5));
-    t.fixed_view_mut::<15, 15>(4, 3).fill_with_identity();
+    t.fixed_view_mut::<18, 18>(4, 3).fill_with_identity();
     t
 }
 
@@ -125,18 +127,19 @@ proptest! {
         filter.predict(&imu, DT_S, &NO_NOISE, CORRELATION_S, true);
 
         let step = 1e-5;
-        let mut jacobian = SMatrix::<f64, STATES, 18>::zeros();
-        for column in 0..18 {
-            let error = SVector::<f64, 18>::ith(column, step);
-            let ahead = flat(&stepped(&moved(&state, &error), &rest_drift, &imu));
-            let behind = flat(&stepped(&moved(&state, &-error), &rest_drift, &imu));
+        let mut jacobian = SMatrix::<f64, STATES, 21>::zeros();
+        for column in 0..21 {
+            let error = SVector::<f64, 21>::ith(column, step);
+            let iron = error.fixed_rows::<3>(18).into_owned();
+            let ahead = flat(&stepped(&moved(&state, &error), &rest_drift, &imu), &iron);
+            let behind = flat(&stepped(&moved(&state, &-error), &rest_drift, &imu), &-iron);
             jacobian.set_column(column, &((ahead - behind) / (2.0 * step)));
         }
-        // P = T Π Tᵀ with Π over the 18; its pseudo-inverse on the tangent gives Π back.
+        // P = T Π Tᵀ with Π over the 21; its pseudo-inverse on the tangent gives Π back.
         let spread = spread(&state.navigation.attitude);
-        let mut gather = SMatrix::<f64, 18, STATES>::zeros();
+        let mut gather = SMatrix::<f64, 21, STATES>::zeros();
         gather.fixed_view_mut::<3, 4>(0, 0).copy_from(&(xi_navigation(&state.navigation.attitude).transpose() * 2.0));
-        gather.fixed_view_mut::<15, 15>(3, 4).fill_with_identity();
+        gather.fixed_view_mut::<18, 18>(3, 4).fill_with_identity();
         let reduced = gather * before * gather.transpose();
         prop_assert!((spread * reduced * spread.transpose() - before).amax() < 1e-15);
 
@@ -163,7 +166,7 @@ proptest! {
                     attitude: reference_attitude(&q, Some(&imu.specific_force_m_s2), Some(offset)),
                     gravity_m_s2: G,
                     tilt_sigma_rad: Some(0.05),
-                    heading_sigma_rad: Some(0.05),
+                    heading_sigma_rad: Some(0.05), heading_by_iron: Vector3::zeros(),
                 };
                 prop_assert!(filter.update(&reference, f64::INFINITY).unwrap().accepted);
             }
@@ -189,7 +192,7 @@ proptest! {
         let sigma = StartSigma { acc_bias_m_s2: 0.0, ..SIGMA };
         let mut known = ErrorQuaternionFilter::new(state, &sigma, G);
         let reference = ReferenceAttitude {
-            attitude: flipped, gravity_m_s2: G, tilt_sigma_rad: Some(0.02), heading_sigma_rad: Some(0.03),
+            attitude: flipped, gravity_m_s2: G, tilt_sigma_rad: Some(0.02), heading_sigma_rad: Some(0.03), heading_by_iron: Vector3::zeros(),
         };
         let p = known.covariance;
         known.update(&reference, f64::INFINITY).unwrap();
@@ -202,7 +205,7 @@ proptest! {
         let s_pinv = s.pseudo_inverse(1e-12).unwrap();
         let gain = p.fixed_columns::<4>(0) * s_pinv;
         let z = wxyz(&measured) / wxyz(&measured).dot(&wxyz(&q)) - wxyz(&q);
-        let x = flat(&state) + gain * z;
+        let x = flat(&state, &Vector3::zeros()) + gain * z;
         let q = Attitude::new_normalize(Quaternion::new(x[0], x[1], x[2], x[3]));
         let carried = xi_navigation(&q) * xi.transpose();
         let mut t = SMatrix::<f64, STATES, STATES>::identity();
@@ -240,7 +243,7 @@ proptest! {
 
             let reference = ReferenceAttitude {
                 attitude: reference_attitude(&q, Some(&reading), Some(-heading)),
-                gravity_m_s2: G, tilt_sigma_rad: Some(1.0), heading_sigma_rad: Some(1.0),
+                gravity_m_s2: G, tilt_sigma_rad: Some(1.0), heading_sigma_rad: Some(1.0), heading_by_iron: Vector3::zeros(),
             };
             let mut at = *state;
             at.navigation.attitude = q;
@@ -253,7 +256,7 @@ proptest! {
         let step = 1e-5;
         for axis in 0..3 {
             let small = Vector3::ith(axis, step);
-            for (block, derivative) in &analytic {
+            for (block, derivative) in analytic.iter().filter(|(block, _)| *block != HARD_IRON) {
                 let shifted = |by: Vector3<f64>| {
                     let mut s = level;
                     if *block == ACC_BIAS {
@@ -288,6 +291,7 @@ fn a_certain_reference_is_taken_over_whole_however_far_it_is() {
             gravity_m_s2: G,
             tilt_sigma_rad: Some(1e-6),
             heading_sigma_rad: Some(1e-6),
+            heading_by_iron: Vector3::zeros(),
         };
         filter.update(&reference, f64::INFINITY).unwrap();
         let left = filter.state.navigation.attitude.angle_to(&truth);
@@ -323,6 +327,7 @@ fn gravity_tells_nothing_of_the_heading() {
                 gravity_m_s2: G,
                 tilt_sigma_rad: Some(0.02),
                 heading_sigma_rad: None,
+                heading_by_iron: Vector3::zeros(),
             };
             filter.update(&tilt, f64::INFINITY).unwrap();
         }

@@ -125,3 +125,17 @@ fn a_tilt_error_costs_its_tangent_of_dip_and_a_field_error_its_share_of_the_hori
     let polar = LevelField::new(&Vector3::new(0.0, 1e-9, -60.0)).unwrap();
     assert!((polar.heading_sigma_rad(1.0, 0.01) - unknown).abs() < 1e-15);
 }
+
+#[test]
+fn the_gradient_of_the_azimuth_is_numerical() {
+    let field = Vector3::new(13.0, -17.0, -44.0);
+    let gradient = LevelField::new(&field).unwrap().azimuth_gradient();
+    let step = 1e-4;
+    for axis in 0..3 {
+        let by = Vector3::ith(axis, step);
+        let azimuth = |field: Vector3<f64>| LevelField::new(&field).unwrap().azimuth_rad;
+        let numerical = angle_difference(azimuth(field + by), azimuth(field - by)) / (2.0 * step);
+        // Second differences of order step²/H³.
+        assert!((gradient[axis] - numerical).abs() < 1e-11, "{axis}: {numerical}");
+    }
+}

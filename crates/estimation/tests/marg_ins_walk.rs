@@ -247,14 +247,14 @@ fn what_is_no_sample_is_refused_and_leaves_the_walker_as_he_was() {
 
 #[test]
 fn a_log_without_samples_and_a_setting_out_of_range_are_errors() {
-    assert_eq!(run(told(), &[]).unwrap_err(), MethodError::Empty);
     type Change = fn(&mut MargInsParams);
+    assert_eq!(run(told(), &[]).unwrap_err(), MethodError::Empty);
     let changes: [(&str, Change); 7] = [
         ("drift_correlation_s", |p| p.drift_correlation_s = 0.0),
         ("initial.drift_rad_s", |p| p.initial.drift_rad_s = f64::NAN),
         ("heading.field_sigma_ut", |p| p.heading.field_sigma_ut = 0.0),
         ("heading.reference.norm_ut", |p| {
-            p.heading.reference = Some(ReferenceField { norm_ut: -1.0, dip_rad: 0.0 })
+            p.heading.reference = Some(ReferenceField { norm_ut: -1.0, dip_rad: 0.0 });
         }),
         ("heading.disturbance.relearn_m", |p| p.heading.disturbance.relearn_m = f64::INFINITY),
         ("stance.gain", |p| p.stance.gain = -1.0),
@@ -270,7 +270,7 @@ fn a_log_without_samples_and_a_setting_out_of_range_are_errors() {
 
 #[test]
 fn a_method_without_a_smoother_says_so() {
-    assert!(!MargInsParams::FIXED_LAG && !MargInsParams::WHOLE_LOG);
+    const { assert!(!MargInsParams::FIXED_LAG && !MargInsParams::WHOLE_LOG) };
     assert!(matches!(told().start_fixed_lag(1.0), Err(MethodError::NoSmoother { method: "marg-ins", .. })));
     assert!(matches!(told().smooth(&[], &mut |_| ()), Err(MethodError::NoSmoother { .. })));
 }
@@ -325,4 +325,40 @@ fn the_covariance_of_the_heading_is_honest_about_the_start() {
     assert!((sigma_deg(&solutions[0]) - 5.8).abs() < 0.3, "{}", sigma_deg(&solutions[0]));
     let last = sigma_deg(solutions.last().unwrap());
     assert!((0.8..3.5).contains(&last), "{last}");
+}
+
+#[test]
+fn hard_iron_that_the_calibration_left_is_learnt_when_the_walker_turns_round() {
+    let walk = Walk::with_turn(20.0, Leg::Turn { turn_rad: 3.0 }, 4).unwrap();
+    let iron = Vector3::new(0.5, -0.7, 0.4);
+    let observations: Vec<Observation> = with_field(&walk, undisturbed)
+        .into_iter()
+        .map(|observation| match observation {
+            Observation::Magnetic(mut magnetic) => {
+                magnetic.field_ut += iron;
+                Observation::Magnetic(magnetic)
+            }
+            Observation::Imu(_) => observation,
+        })
+        .collect();
+    let mut params = told();
+    (params.heading.field_sigma_ut, params.heading.place_m) = (0.2, 1.0);
+    let track = |params: MargInsParams| {
+        let mut method = MargIns::new(params).unwrap();
+        let mut solutions = Vec::new();
+        for observation in &observations {
+            solutions.extend(method.observe(observation).unwrap());
+        }
+        while let Some(solution) = method.finish_next().unwrap() {
+            solutions.push(solution);
+        }
+        let last = heading_errors_deg(&walk, &solutions).last().unwrap();
+        (method.filter().unwrap().filter().hard_iron_ut, last.abs())
+    };
+    let (found, error_deg) = track(params.clone());
+    // What is level tells of itself: most of it in one turn.
+    assert!((found - iron).xy().norm() < 0.5 * iron.xy().norm(), "{found}");
+    params.heading.hard_iron_ut = 0.0;
+    let (none, without_deg) = track(params);
+    assert!(none == Vector3::zeros() && error_deg < 0.7 * without_deg, "{error_deg} {without_deg}");
 }

@@ -225,6 +225,15 @@ fn a_car_waits_goes_stops_and_goes_on() {
 }
 
 #[test]
+fn a_car_that_waits_first_already_looks_where_it_will_go() {
+    let moves = [Move::Stop { seconds: 5.0 }, Move::Go { to_m: [0.0, 9.0, 0.0], speed_m_s: 1.0 }];
+    let course = Course::moving([0.0; 3], 10.0, &moves).unwrap();
+    for time_s in [0.0, 12.0, 17.0] {
+        assert!((course.pose(time_s).1 - FRAC_PI_2).abs() < 1e-15, "at {time_s}");
+    }
+}
+
+#[test]
 fn the_permanent_moment_turns_with_the_car_and_the_induced_one_does_not() {
     let corner = [
         Move::Go { to_m: [10.0, 0.0, 0.0], speed_m_s: 1.0 },

@@ -23,6 +23,7 @@
 //! | 10–12 | `δp` | position, n | m |
 //! | 13–15 | `δb_a` | accelerometer bias, body | m/s² |
 //! | 16–18 | `δr` | lever from the point of contact to the sensor, body | m |
+//! | 19–21 | `δm` | what a calibration leaves of the hard iron, body | µT |
 //!
 //! Over one interval with rotation `r = exp(ω̂ dt)` the quaternion part is linear, so that the transition is exact in it:
 //!
@@ -54,14 +55,13 @@
 //! `φ = z, δv = z × v̂, δp = z × p̂`. The transition keeps it, but a correction of `v̂` and `p̂` moves the direction under the
 //! covariance, and the filter would gain certainty of its heading from its own corrections. So the errors are carried over
 //! a correction as those of the right-invariant filter (Barrau & Bonnabel 2017), `δv ← δv + φ × Δv̂` and likewise `δp`, and
-//! the velocity of the contact is differentiated so that it does not see that direction ([`HeldContact`]).
+//! the velocity of the contact is differentiated so that it does not see that direction ([`HeldContact`](crate::inertial::reference_attitude::HeldContact)).
 
 use crate::inertial::covariance::{ACC_BIAS, ATTITUDE, BLOCKS, CONTACT, GYRO_BIAS, POSITION, VELOCITY};
 use crate::inertial::filter::{FilterState, SensorNoise};
 use crate::inertial::strapdown::Increment;
-use crate::kalman::{Derivative, Innovation, Linearised, MeasurementModel};
-use crate::pedestrian::zero_velocity::ContactVelocity;
-use adit_core::attitude::{self, Attitude, skew};
+use crate::kalman::{Innovation, Linearised, MeasurementModel};
+use adit_core::attitude::{Attitude, skew};
 use adit_core::nalgebra::{
     Matrix3, Matrix3x4, Matrix4, Matrix4x3, Quaternion, SMatrix, SVector, Vector3, Vector4,
 };
@@ -71,23 +71,23 @@ use adit_observation::ImuSample;
 use serde::{Deserialize, Serialize};
 
 /// Number of error states.
-pub const STATES: usize = 19;
+pub const STATES: usize = 22;
 /// First state of the error quaternion.
 pub const QUATERNION: usize = 0;
-/// First state of each 3-vector of [`crate::inertial::covariance`]; that of the attitude stands for the quaternion's.
-pub const FIRST: [usize; BLOCKS] = {
-    let mut first = [QUATERNION; BLOCKS];
+/// Index of the 3-vector of the hard iron, after those of [`crate::inertial::covariance`].
+pub const HARD_IRON: usize = BLOCKS;
+/// First state of each 3-vector; that of the attitude stands for the quaternion's.
+pub const FIRST: [usize; BLOCKS + 1] = {
+    let mut first = [QUATERNION; BLOCKS + 1];
     first[GYRO_BIAS] = 4;
     first[VELOCITY] = 7;
     first[POSITION] = 10;
     first[ACC_BIAS] = 13;
     first[CONTACT] = 16;
+    first[HARD_IRON] = 19;
     first
 };
 const DRIFT: usize = FIRST[GYRO_BIAS];
-
-/// Attitudes further apart (`cos(θ/2)`, 157°) are taken as this far.
-const LEAST_COSINE: f64 = 0.2;
 
 /// Covariance of the error state.
 pub type ErrorCovariance = SMatrix<f64, STATES, STATES>;
@@ -107,6 +107,8 @@ pub struct StartSigma {
     pub acc_bias_m_s2: f64,
     /// Lever to the point of contact, m, each axis.
     pub contact_m: f64,
+    /// Hard iron, µT, each axis.
+    pub hard_iron_ut: f64,
 }
 
 /// `q ∘ (0, v) = Ξ(q) v`: body vectors.
@@ -131,7 +133,7 @@ fn stack(first: &Vector3<f64>, lower: &Matrix3<f64>) -> Matrix4x3<f64> {
 }
 
 /// Scalar first, as the error state has it.
-fn wxyz(q: &Attitude) -> Vector4<f64> {
+pub(super) fn wxyz(q: &Attitude) -> Vector4<f64> {
     Vector4::new(q.w, q.i, q.j, q.k)
 }
 
@@ -194,7 +196,9 @@ impl Transition {
 pub struct ErrorQuaternionFilter {
     /// Estimate; its gyro bias is the drift at rest and `ε`.
     pub state: FilterState,
-    /// Covariance of its error.
+    /// Estimate of the hard iron that the calibration has left, µT, body.
+    pub hard_iron_ut: Vector3<f64>,
+    /// Covariance of the error.
     pub covariance: ErrorCovariance,
     /// Drift at the last rest, rad/s: to it the drift returns.
     rest_drift_rad_s: Vector3<f64>,
@@ -216,12 +220,14 @@ impl ErrorQuaternionFilter {
             (POSITION, sigma.position_m),
             (ACC_BIAS, sigma.acc_bias_m_s2),
             (CONTACT, sigma.contact_m),
+            (HARD_IRON, sigma.hard_iron_ut),
         ] {
             covariance.fixed_view_mut::<3, 3>(FIRST[block], FIRST[block]).copy_from(&square(sigma));
         }
         Self {
             rest_drift_rad_s: state.navigation.gyro_bias_rad_s,
             state,
+            hard_iron_ut: Vector3::zeros(),
             covariance,
             last: Increment::default(),
             gravity_m_s2,
@@ -319,6 +325,12 @@ impl ErrorQuaternionFilter {
         self.rest_drift_rad_s = self.state.navigation.gyro_bias_rad_s;
     }
 
+    /// Covariance of what a measurement would differ by, without its own noise: `H P Hᵀ`.
+    pub fn predicted<const N: usize>(&self, model: &impl MeasurementModel<FilterState, N>) -> Matrix3<f64> {
+        let h = self.jacobian(&model.linearise(&self.state));
+        h * self.covariance * h.transpose()
+    }
+
     /// Adds to the covariance of the attitude, as a rotation vector in n, rad².
     pub fn inflate_attitude(&mut self, variance: &Matrix3<f64>) {
         let xi = xi_navigation(&self.state.navigation.attitude);
@@ -397,6 +409,7 @@ impl ErrorQuaternionFilter {
         state.position_m += error.fixed_rows::<3>(FIRST[POSITION]);
         state.acc_bias_m_s2 += error.fixed_rows::<3>(FIRST[ACC_BIAS]);
         self.state.contact_m += error.fixed_rows::<3>(FIRST[CONTACT]);
+        self.hard_iron_ut += error.fixed_rows::<3>(FIRST[HARD_IRON]);
 
         let carried = xi_navigation(&state.attitude) * before.transpose();
         let rows = carried * self.covariance.fixed_rows::<4>(QUATERNION);
@@ -425,92 +438,5 @@ impl ErrorQuaternionFilter {
 
     fn symmetrise(&mut self) {
         self.covariance = (self.covariance + self.covariance.transpose()) * 0.5;
-    }
-}
-
-/// Velocity of a standing foot, [`ContactVelocity`], blind to a turn of everything about the vertical.
-///
-/// Of the two velocities that ought to be equal, that of the state and that of the rolling foot, it is the first that the
-/// attitude error turns in the derivative: with the second, their difference would pass for knowledge of the heading.
-#[derive(Debug, Clone, Copy)]
-pub struct HeldContact(
-    /// The measurement.
-    pub ContactVelocity,
-);
-
-impl MeasurementModel<FilterState, 3> for HeldContact {
-    fn linearise(&self, state: &FilterState) -> Linearised<3> {
-        let Linearised { residual, jacobian: [_, velocity, contact], noise } = self.0.linearise(state);
-        let attitude = (ATTITUDE, Derivative::Matrix(skew(&state.navigation.velocity_m_s)));
-        Linearised { residual, jacobian: [attitude, velocity, contact], noise }
-    }
-}
-
-/// The observation of S3: the gyro's quaternion `q(ω)` against `q(ε)`, the one of accelerometer and magnetometer.
-///
-/// Of the points on the ray of `q(ε)` the one in the tangent of `q(ω)` is taken, `q(ε)/(q(ω)·q(ε))`: normalising leads from it
-/// to `q(ε)` itself, however large the difference, and sign does not matter. To first order it is `q(ε) − q(ω)`.
-/// Either part of `q(ε)` may be missing: tilt while the sensor accelerates, heading while the field is disturbed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReferenceAttitude {
-    /// `q(ε)`.
-    pub attitude: Attitude,
-    /// Gravity at the site, m/s².
-    pub gravity_m_s2: f64,
-    /// Standard deviation of its tilt, rad; `None` when there is none.
-    pub tilt_sigma_rad: Option<f64>,
-    /// Standard deviation of its heading, rad; `None` when there is none.
-    pub heading_sigma_rad: Option<f64>,
-}
-
-impl MeasurementModel<FilterState, 2> for ReferenceAttitude {
-    fn linearise(&self, state: &FilterState) -> Linearised<2> {
-        let estimate = &state.navigation.attitude;
-        // q and −q are one attitude: of the two differences only the shorter is an error.
-        let (gyro, reference) = (wxyz(estimate), wxyz(&self.attitude));
-        let cosine = gyro.dot(&reference);
-        let difference = reference
-            / if cosine < 0.0 { cosine.min(-LEAST_COSINE) } else { cosine.max(LEAST_COSINE) }
-            - gyro;
-        let angle = xi_navigation(estimate).transpose() * difference * 2.0;
-        let used = |sigma: Option<f64>| f64::from(u8::from(sigma.is_some()));
-        let (tilt, heading) = (used(self.tilt_sigma_rad), used(self.heading_sigma_rad));
-        let used = Vector3::new(tilt, tilt, heading);
-        // The bias tilts the measured vertical: up × z = φ_level − z × (C δb)/g.
-        let rotation = estimate.to_rotation_matrix().into_inner();
-        let by_bias = skew(&Vector3::z()) * rotation * (-tilt / self.gravity_m_s2);
-        // A row of zeros with any noise carries no information.
-        let variance = |sigma: Option<f64>| sigma.map_or(1.0, |sigma| sigma * sigma);
-        let (tilt, heading) = (variance(self.tilt_sigma_rad), variance(self.heading_sigma_rad));
-        Linearised {
-            residual: angle.component_mul(&used),
-            jacobian: [
-                (ATTITUDE, Derivative::Matrix(Matrix3::from_diagonal(&used))),
-                (ACC_BIAS, Derivative::Matrix(by_bias)),
-            ],
-            noise: Matrix3::from_diagonal(&Vector3::new(tilt, tilt, heading)),
-        }
-    }
-}
-
-/// `q(ε)` near an estimate: its tilt turned so that the specific force points up, and its heading by `heading_offset_rad`
-/// clockwise. `None` parts are those of the estimate.
-pub fn reference_attitude(
-    estimate: &Attitude,
-    specific_force: Option<&Vector3<f64>>,
-    heading_offset_rad: Option<f64>,
-) -> Attitude {
-    let levelled = specific_force.map_or(*estimate, |force| {
-        let up = estimate * force;
-        // Rotation that takes `up` to the vertical: axis up × z, angle from atan2 (no division by a small sine).
-        let axis = up.cross(&Vector3::z());
-        let sine = libm::sqrt(axis.norm_squared());
-        let angle = libm::atan2(sine, up.z);
-        let axis = axis.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector3::zeros);
-        attitude::turn_navigation(estimate, &(axis * angle))
-    });
-    match heading_offset_rad {
-        Some(offset) => attitude::turn_navigation(&levelled, &Vector3::new(0.0, 0.0, -offset)),
-        None => levelled,
     }
 }

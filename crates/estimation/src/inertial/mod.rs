@@ -4,6 +4,7 @@ pub mod alignment;
 pub mod covariance;
 pub mod error_quaternion;
 pub mod filter;
+pub mod reference_attitude;
 pub mod rest;
 pub mod smoother;
 pub mod strapdown;

@@ -67,6 +67,12 @@ impl LevelField {
         attitude::angle_difference(declination_rad, self.azimuth_rad)
     }
 
+    /// Derivative of the azimuth by the field in the level frame, rad/µT.
+    pub fn azimuth_gradient(&self) -> Vector3<f64> {
+        let (sin, cos) = libm::sincos(self.azimuth_rad);
+        Vector3::new(cos, -sin, 0.0) / self.horizontal_ut
+    }
+
     /// Standard deviation of a heading from this field, rad, from those of the tilt and of the field across the meridian.
     ///
     /// At most that of an unknown direction, π/√3.

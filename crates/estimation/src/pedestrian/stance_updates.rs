@@ -61,6 +61,7 @@ impl Default for ZeroVelocityParams {
 }
 
 /// Memory of the zero-velocity updates of one foot.
+#[expect(clippy::struct_field_names, reason = "all four are times, with their unit")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StanceUpdates {
     /// Time since the last update that was tried, and since the last that was accepted, s.

@@ -71,7 +71,10 @@ impl Course {
                         here.yaw_rad = libm::atan2(way.y, way.x);
                     }
                     if !went {
-                        knots[0].yaw_rad = here.yaw_rad;
+                        // Waiting, it already looked that way.
+                        for knot in &mut knots {
+                            knot.yaw_rad = here.yaw_rad;
+                        }
                         went = true;
                     }
                     knots.push(here);

@@ -3,7 +3,6 @@
 use super::params::{GateKind, MargInsParams};
 use crate::magnetic::gate::{MagneticGate, ReferenceField, Sighting};
 use crate::magnetic::heading::LevelField;
-use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
 use adit_observation::MagneticSample;
@@ -127,12 +126,19 @@ impl Compass {
         self.latest.map(|magnetic| magnetic.field_ut)
     }
 
-    /// Takes the readings up to the time of a sample; in stance they are levelled with the estimate and gathered.
-    pub fn gather(&mut self, time: Time, interval_s: f64, still: bool, attitude: &Attitude, settle_s: f64) {
+    /// Takes the readings up to the time of a sample; in stance they are put into the `level` frame and gathered.
+    pub fn gather(
+        &mut self,
+        time: Time,
+        interval_s: f64,
+        still: bool,
+        level: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+        settle_s: f64,
+    ) {
         self.since_sighting_s += interval_s;
         let (mut sum_ut, mut count) = (Vector3::zeros(), 0);
         self.due(time, |magnetic| {
-            sum_ut += attitude * magnetic.field_ut;
+            sum_ut += level(&magnetic.field_ut);
             count += 1;
         });
         if !still {
@@ -182,11 +188,13 @@ impl Compass {
 
     /// Standard deviation with which a heading counts, rad; `None` when it says nothing new.
     ///
+    /// `predicted` is the variance of its difference from the estimate without its own noise, rad².
+    ///
     /// The field of one place, seen again and again, brings the heading to the certainty of that field and no further.
     pub fn news_sigma_rad(
         &self,
         position_m: &Vector3<f64>,
-        heading_variance: f64,
+        predicted: f64,
         sigma_rad: f64,
         params: &MargInsParams,
     ) -> Option<f64> {
@@ -196,8 +204,8 @@ impl Compass {
             return Some(sigma_rad);
         }
         let variance = sigma_rad * sigma_rad;
-        let gained = heading_variance - variance;
-        (gained > 0.0).then(|| libm::sqrt(variance * heading_variance / gained))
+        let gained = predicted - variance;
+        (gained > 0.0).then(|| libm::sqrt(variance * predicted / gained))
     }
 
     /// Hears what became of a heading; returns the offset of the estimate when a refused field has proven right.

@@ -3,13 +3,12 @@
 use super::compass::{Compass, Outcome, UNKNOWN_HEADING_RAD};
 use super::params::{GateKind, MargInsParams};
 use crate::inertial::alignment::Aligned;
-use crate::inertial::error_quaternion::{
-    ErrorQuaternionFilter, HeldContact, ReferenceAttitude, StartSigma, reference_attitude,
-};
+use crate::inertial::error_quaternion::{ErrorQuaternionFilter, StartSigma};
 use crate::inertial::filter::FilterState;
+use crate::inertial::reference_attitude::{HeldContact, ReferenceAttitude, reference_attitude};
 use crate::inertial::strapdown::NavigationState;
 use crate::kalman::Innovation;
-use crate::magnetic::heading::tilt_compensated;
+use crate::magnetic::heading::{LevelField, tilt_compensated};
 use crate::pedestrian::gap::UnknownMotion;
 use crate::pedestrian::stance::Stance;
 use crate::pedestrian::stance_updates::{LONG_AGO_S, SLACK_S, StanceUpdates};
@@ -55,12 +54,8 @@ impl MargFilter {
         };
         let state = FilterState { navigation, contact_m: Vector3::zeros() };
         let start = &params.initial;
-        let mut compass = Compass::new(params);
-        let heading_sigma_rad = match &aligned.field {
-            Some(field) if aligned.at_rest => compass.start(field, start.tilt_rad, params),
-            Some(_) => UNKNOWN_HEADING_RAD,
-            None => RELATIVE_HEADING_RAD,
-        };
+        let heading_sigma_rad =
+            if aligned.field.is_some() { UNKNOWN_HEADING_RAD } else { RELATIVE_HEADING_RAD };
         let sigma = StartSigma {
             attitude_rad: Vector3::new(start.tilt_rad, start.tilt_rad, heading_sigma_rad),
             drift_rad_s: start.drift_rad_s,
@@ -68,10 +63,14 @@ impl MargFilter {
             position_m: start.position_m,
             acc_bias_m_s2: start.acc_bias_m_s2,
             contact_m: start.contact_m,
+            hard_iron_ut: match params.magnetic_gate {
+                GateKind::None => 0.0,
+                GateKind::Disturbance => params.heading.hard_iron_ut,
+            },
         };
-        Self {
+        let mut started = Self {
             filter: ErrorQuaternionFilter::new(state, &sigma, params.gravity_m_s2),
-            compass,
+            compass: Compass::new(params),
             updates: StanceUpdates::default(),
             awaiting_stance: !aligned.at_rest,
             time,
@@ -80,7 +79,11 @@ impl MargFilter {
             since_rate_s: LONG_AGO_S,
             since_tilt_s: LONG_AGO_S,
             params: params.clone(),
+        };
+        if let Some(field) = aligned.field.filter(|_| aligned.at_rest) {
+            started.begin_heading(&field, start.tilt_rad);
         }
+        started
     }
 
     /// Length of the gap before a sample when it is too long to integrate over, s.
@@ -136,9 +139,10 @@ impl MargFilter {
             return (None, None);
         }
         self.updates.observe(stance, self.interval_s, &self.params.zero_velocity);
-        let attitude = self.filter.state.navigation.attitude;
+        let (attitude, hard_iron_ut) = (self.filter.state.navigation.attitude, self.filter.hard_iron_ut);
         let settle_s = self.params.heading.settle_s;
-        self.compass.gather(self.time, self.interval_s, stance.is_still(), &attitude, settle_s);
+        let level = |field_ut: &Vector3<f64>| attitude * (field_ut - hard_iron_ut);
+        self.compass.gather(self.time, self.interval_s, stance.is_still(), level, settle_s);
         if !stance.is_still() {
             return (None, None);
         }
@@ -227,6 +231,7 @@ impl MargFilter {
             gravity_m_s2: self.params.gravity_m_s2,
             tilt_sigma_rad: Some(t.sigma_m_s2 / self.params.gravity_m_s2),
             heading_sigma_rad: None,
+            heading_by_iron: Vector3::zeros(),
         };
         self.filter.update(&reference, f64::INFINITY);
     }
@@ -242,29 +247,47 @@ impl MargFilter {
         }
         let tilt_sigma_rad = libm::hypot(self.params.heading.tilt_sigma_rad, self.filter.tilt_sigma_rad());
         let sigma_rad = self.compass.sigma_rad(&sighting.field, tilt_sigma_rad, &self.params);
-        let (offset, variance) = (sighting.heading_offset_rad, self.filter.heading_variance());
-        let agrees = offset * offset <= self.params.heading.gate_nis * (variance + sigma_rad * sigma_rad);
+        let heading = self.heading_of(&sighting.field, sigma_rad);
+        let (offset, predicted) = (sighting.heading_offset_rad, self.filter.predicted(&heading)[(2, 2)]);
+        let agrees = offset * offset <= self.params.heading.gate_nis * (predicted + sigma_rad * sigma_rad);
         let (outcome, used_sigma_rad) = match self.params.magnetic_gate {
             GateKind::None => (Outcome::Used, Some(sigma_rad)),
             GateKind::Disturbance if !self.compass.judge(&sighting) => (Outcome::Disturbed, None),
             GateKind::Disturbance if !agrees => (Outcome::Disagreed, None),
             GateKind::Disturbance => {
-                let news = self.compass.news_sigma_rad(&position_m, variance, sigma_rad, &self.params);
+                let news = self.compass.news_sigma_rad(&position_m, predicted, sigma_rad, &self.params);
                 (if news.is_some() { Outcome::Used } else { Outcome::Agreed }, news)
             }
         };
         if used_sigma_rad.is_some() {
-            let reference = ReferenceAttitude {
-                attitude: reference_attitude(&self.filter.state.navigation.attitude, None, Some(offset)),
-                gravity_m_s2: self.params.gravity_m_s2,
-                tilt_sigma_rad: None,
-                heading_sigma_rad: used_sigma_rad,
-            };
-            self.filter.update(&reference, f64::INFINITY);
+            let heading = ReferenceAttitude { heading_sigma_rad: used_sigma_rad, ..heading };
+            self.filter.update(&heading, f64::INFINITY);
         }
         let opened = self.compass.note(&sighting, outcome, &position_m)?;
         self.inflate_heading(opened);
         Some(opened)
+    }
+
+    /// `q(ε)` with the tilt of the estimate and the heading of a field in its level frame.
+    fn heading_of(&self, field: &LevelField, sigma_rad: f64) -> ReferenceAttitude {
+        let attitude = &self.filter.state.navigation.attitude;
+        let offset = field.heading_offset_rad(self.params.declination_rad);
+        ReferenceAttitude {
+            attitude: reference_attitude(attitude, None, Some(offset)),
+            gravity_m_s2: self.params.gravity_m_s2,
+            tilt_sigma_rad: None,
+            heading_sigma_rad: Some(sigma_rad),
+            heading_by_iron: attitude.inverse_transform_vector(&field.azimuth_gradient()),
+        }
+    }
+
+    /// The heading of the start, which the field of the alignment has given: as uncertain as that field, and with its hard iron.
+    fn begin_heading(&mut self, field: &LevelField, tilt_rad: f64) {
+        let sigma_rad = self.compass.start(field, tilt_rad, &self.params);
+        if sigma_rad < UNKNOWN_HEADING_RAD {
+            let level = LevelField { azimuth_rad: self.params.declination_rad, ..*field };
+            self.filter.update(&self.heading_of(&level, sigma_rad), f64::INFINITY);
+        }
     }
 
     fn inflate_heading(&mut self, sigma_rad: f64) {
@@ -282,8 +305,8 @@ impl MargFilter {
         let sway_rad = self.params.stance.acc_scale_m_s2 / self.params.gravity_m_s2;
         let tilt_rad = libm::hypot(self.params.initial.tilt_rad, sway_rad * libm::sqrt(stance.statistic));
         let compass = tilt_compensated(force, &reading.unwrap_or_default(), self.params.declination_rad);
-        let (attitude, heading_rad) = match compass {
-            Some(c) => (c.attitude, self.compass.start(&c.field, tilt_rad, &self.params)),
+        let (attitude, heading_rad) = match &compass {
+            Some(compass) => (compass.attitude, UNKNOWN_HEADING_RAD),
             None => match attitude::level(force, 0.0) {
                 Some(level) => (level, RELATIVE_HEADING_RAD),
                 None => return false,
@@ -291,6 +314,9 @@ impl MargFilter {
         };
         self.awaiting_stance = false;
         self.filter.restart_attitude(attitude, &Vector3::new(tilt_rad, tilt_rad, heading_rad));
+        if let Some(compass) = compass {
+            self.begin_heading(&compass.field, tilt_rad);
+        }
         true
     }
 

@@ -84,8 +84,10 @@ pub struct HeadingParams {
     pub settle_s: f64,
     /// Time over which the field of a stance is averaged for one heading, s.
     pub average_s: f64,
-    /// Standard deviation of a calibrated reading across the meridian in a good place, µT.
+    /// Standard deviation of the field across the meridian from place to place, where it is good, µT.
     pub field_sigma_ut: f64,
+    /// Hard iron that the calibration of the magnetometer has left, standard deviation of each axis, µT; zero: not estimated.
+    pub hard_iron_ut: f64,
     /// Tilt that the filter does not know of, from the bias of the accelerometer, standard deviation, rad.
     pub tilt_sigma_rad: f64,
     /// Distance to the last heading used within which the field is not taken for a new one, m.
@@ -128,6 +130,7 @@ impl MargInsParams {
             ("heading.settle_s", not_negative(h.settle_s)),
             ("heading.average_s", not_negative(h.average_s)),
             ("heading.field_sigma_ut", positive(h.field_sigma_ut)),
+            ("heading.hard_iron_ut", not_negative(h.hard_iron_ut)),
             ("heading.tilt_sigma_rad", not_negative(h.tilt_sigma_rad)),
             ("heading.place_m", not_negative(h.place_m)),
             ("heading.gate_nis", positive(h.gate_nis)),
@@ -192,7 +195,8 @@ impl Default for HeadingParams {
         Self {
             settle_s: 0.1,
             average_s: 0.05,
-            field_sigma_ut: 1.0,
+            field_sigma_ut: 0.8,
+            hard_iron_ut: 0.6,
             tilt_sigma_rad: 0.01,
             place_m: 5.0,
             gate_nis: 6.6,
