@@ -31,9 +31,9 @@ mod limits {
     use super::Limits;
 
     /// VQF online reaches 2.57 / 2.39 / 0.77.
-    pub const ONLINE: Limits = Limits { total: 1.9, heading: 1.7, inclination: 0.75 };
+    pub const ONLINE: Limits = Limits { total: 1.75, heading: 1.55, inclination: 0.68 };
     /// VQF offline reaches 2.46 / 2.34 / 0.58.
-    pub const OFFLINE: Limits = Limits { total: 1.7, heading: 1.5, inclination: 0.65 };
+    pub const OFFLINE: Limits = Limits { total: 1.7, heading: 1.5, inclination: 0.6 };
 }
 
 /// How a log is tracked.
