@@ -1,5 +1,7 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
+pub mod mine;
+
 use crate::method::MethodName;
 use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
@@ -101,6 +103,8 @@ pub enum Verb {
     Track(TrackArgs),
     /// Judge an estimated path against the truth
     Eval(EvalArgs),
+    /// Check a mine file, or write it in another form
+    Mine(mine::MineArgs),
 }
 
 /// `adit demo`.

@@ -2,6 +2,7 @@
 
 mod demo;
 mod eval;
+mod mine;
 mod simulate;
 mod track;
 
@@ -15,5 +16,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Simulate(args) => simulate::run(args),
         Verb::Track(args) => track::run(args),
         Verb::Eval(args) => eval::run(args),
+        Verb::Mine(args) => mine::run(args),
     }
 }
