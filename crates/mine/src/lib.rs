@@ -59,7 +59,7 @@ mod zoning;
 #[cfg(feature = "std")]
 pub mod file;
 #[cfg(feature = "std")]
-#[cfg(any())] pub mod plan_view;
+pub mod plan_view;
 
 pub use check::check;
 pub use error::MineError;
