@@ -8,8 +8,8 @@
 use adit_core::frames::{Enu, MineGrid, Position};
 use adit_core::geodesy::Geodetic;
 use adit_mine::plan::{
-    AccessPoint, Anchor, Chamber, ControlPoint, Conveyor, Door, DoorKind, Fit, Grid, Junction, Level, MinePlan, Radio,
-    RfidPortal, Roadway, RoadwayKind, VehicleRoute, Zone, ZoneKind,
+    AccessPoint, Anchor, Chamber, ControlPoint, Conveyor, Door, DoorKind, Fit, Grid, Junction, Level,
+    MinePlan, Radio, RfidPortal, Roadway, RoadwayKind, VehicleRoute, Zone, ZoneKind,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -35,16 +35,17 @@ const RAMP: f64 = 0.125;
 type Point = Position<MineGrid>;
 
 fn main() -> Result<(), adit_mine::MineError> {
-    print!("# Made by: cargo run -p adit-mine --example two_level_mine\n{}", adit_mine::file::to_toml(&plan(SEED))?);
+    print!(
+        "# Made by: cargo run -p adit-mine --example two_level_mine\n{}",
+        adit_mine::file::to_toml(&plan(SEED))?
+    );
     Ok(())
 }
 
 /// The mine of a seed.
 pub fn plan(seed: u64) -> MinePlan {
-    let mut mine = Builder {
-        plan: MinePlan::new("Two-level mine", grid()),
-        random: ChaCha8Rng::seed_from_u64(seed),
-    };
+    let mut mine =
+        Builder { plan: MinePlan::new("Two-level mine", grid()), random: ChaCha8Rng::seed_from_u64(seed) };
     let surface = Level { id: "surface".into(), name: Some("Surface".into()), elevation_m: SURFACE_M };
     mine.plan.levels.push(surface);
     for (id, depth_m) in LEVELS {
@@ -82,7 +83,14 @@ fn rectangle(low: [f64; 2], high: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 impl Builder {
-    fn roadway(&mut self, id: String, level: Option<&str>, kind: RoadwayKind, size: [f64; 2], points: Vec<Point>) {
+    fn roadway(
+        &mut self,
+        id: String,
+        level: Option<&str>,
+        kind: RoadwayKind,
+        size: [f64; 2],
+        points: Vec<Point>,
+    ) {
         let max_slope_percent = match kind {
             RoadwayKind::Ramp => Some(13.0),
             RoadwayKind::Shaft => None,
@@ -122,21 +130,39 @@ impl Builder {
         let across = |from: Point, to: Point| vec![from, to];
         for n in 0..10 {
             let (from, to) = (haulage[2 * n], ventilation[2 * n]);
-            self.roadway(id(&format!("crosscut-{n}")), Some(level), RoadwayKind::Crosscut, [4.5, 3.5], across(from, to));
+            self.roadway(
+                id(&format!("crosscut-{n}")),
+                Some(level),
+                RoadwayKind::Crosscut,
+                [4.5, 3.5],
+                across(from, to),
+            );
         }
         for n in 0..8 {
             let (from, to) = (ventilation[3 + 2 * n], back[2 * n]);
-            self.roadway(id(&format!("panel-{n}")), Some(level), RoadwayKind::Drift, [4.0, 3.5], across(from, to));
+            self.roadway(
+                id(&format!("panel-{n}")),
+                Some(level),
+                RoadwayKind::Drift,
+                [4.0, 3.5],
+                across(from, to),
+            );
         }
         for n in [1, 3, 5] {
             let from = back[2 * n];
             let (x, y) = (from.raw().x - CORNER_M[0], from.raw().y - CORNER_M[1]);
             let to = at(x, y + 60.0, from.raw().z + 0.2);
-            self.roadway(id(&format!("heading-{n}")), Some(level), RoadwayKind::Drift, [4.0, 3.5], across(from, to));
+            self.roadway(
+                id(&format!("heading-{n}")),
+                Some(level),
+                RoadwayKind::Drift,
+                [4.0, 3.5],
+                across(from, to),
+            );
         }
         self.rooms(level, &ventilation, &back);
         for n in [3, 6] {
-            let middle = haulage[2 * n].raw().lerp(ventilation[2 * n].raw(), 0.5);
+            let middle = haulage[2 * n].raw().lerp(ventilation[2 * n].raw(), 0.3);
             self.plan.doors.push(Door {
                 id: id(&format!("door-{n}")),
                 kind: DoorKind::Ventilation,
@@ -150,7 +176,12 @@ impl Builder {
         let named = [("station", 9, "main station"), ("ramp-foot", 19, "ramp")];
         for (what, n, name) in named {
             let roadways = Vec::new();
-            let junction = Junction { id: id(what), name: Some(format!("{name}, {level}")), position_m: haulage[n], roadways };
+            let junction = Junction {
+                id: id(what),
+                name: Some(format!("{name}, {level}")),
+                position_m: haulage[n],
+                roadways,
+            };
             self.plan.junctions.push(junction);
         }
         let station = haulage[9];
@@ -240,7 +271,8 @@ impl Builder {
             speed_m_s: 4.0,
             roadways,
         });
-        let outline_m = rectangle([portal_x(&portal) - 12.0, west.y - 36.0], [portal_x(&portal) + 4.0, west.y - 24.0]);
+        let outline_m =
+            rectangle([portal_x(&portal) - 12.0, west.y - 36.0], [portal_x(&portal) + 4.0, west.y - 24.0]);
         self.plan.zones.push(way_out("portal", "Decline portal", outline_m));
         let beside = |p: Point| Position::new(p.raw().x, cm(p.raw().y - 1.6), cm(p.raw().z + 0.9));
         let points_m = (10..=18).map(|n| beside(self.point_of("l360-haulage", n))).collect();
@@ -275,7 +307,10 @@ impl Builder {
             .collect();
         for (id, width_m, points) in lines {
             let side = 0.5 * width_m - 0.2;
-            let short = id.contains("crosscut") || id.contains("heading") || id.contains("access") || id.contains("pit");
+            let short = id.contains("crosscut")
+                || id.contains("heading")
+                || id.contains("access")
+                || id.contains("pit");
             let anchor_step = if short { 70.0 } else { 45.0 };
             for (n, position_m) in along(&points, anchor_step, side, 2.6).into_iter().enumerate() {
                 let id = format!("a-{id}-{n}");
@@ -377,7 +412,11 @@ fn along(points: &[Point], step_m: f64, side_m: f64, height_m: f64) -> Vec<Point
 /// The grid of the mine: its north lies 0.8° east of true north, its metre is 40 ppm short, and four points are known on the
 /// Earth, to the millimetre, with the centimetres that two surveys differ by.
 fn grid() -> Grid {
-    let origin = Geodetic { latitude_rad: 50.92_f64.to_radians(), longitude_rad: 13.34_f64.to_radians(), height_m: 455.0 };
+    let origin = Geodetic {
+        latitude_rad: 50.92_f64.to_radians(),
+        longitude_rad: 13.34_f64.to_radians(),
+        height_m: 455.0,
+    };
     let to_ecef = origin.enu_frame().inverse();
     let (turn, scale) = (0.8_f64.to_radians(), 1.00004);
     let points = [
@@ -390,7 +429,8 @@ fn grid() -> Grid {
         let (x, y) = (grid[0] - 5450.0, grid[1] - 3120.0);
         let east = scale * (x * turn.cos() + y * turn.sin()) + error[0];
         let north = scale * (-x * turn.sin() + y * turn.cos()) + error[1];
-        let place = Geodetic::from_ecef(&to_ecef.position(&Position::<Enu>::new(east, north, 0.0))).unwrap_or(origin);
+        let place =
+            Geodetic::from_ecef(&to_ecef.position(&Position::<Enu>::new(east, north, 0.0))).unwrap_or(origin);
         // Ten digits of a degree are a hundredth of a millimetre.
         let digits = |rad: f64| (rad.to_degrees() * 1e10).round() / 1e10;
         ControlPoint {

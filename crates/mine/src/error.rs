@@ -1,9 +1,9 @@
 //! Why there is no mine.
 
-use crate::finding::Finding;
-use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use crate::file::Notice;
+use crate::finding::Finding;
+use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use std::path::PathBuf;
 

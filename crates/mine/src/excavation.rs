@@ -89,7 +89,8 @@ impl Excavation {
                     bodies.push(along_segment(a, b, radius_m, height_m, body));
                 }
                 for p in line.points() {
-                    bodies.push(body(Form::Cylinder { centre: [p.x, p.y], radius_m, floor_m: p.z }, height_m));
+                    bodies
+                        .push(body(Form::Cylinder { centre: [p.x, p.y], radius_m, floor_m: p.z }, height_m));
                 }
             }
         }
@@ -106,7 +107,9 @@ impl Excavation {
     pub fn contains(&self, point: &Position<MineGrid>) -> bool {
         let p = point.raw();
         let here = AABB::from_point([p.x, p.y, p.z]);
-        self.bodies.locate_in_envelope_intersecting(here).any(|body| body.clearance(p).distance_m() <= TOUCH_M)
+        self.bodies
+            .locate_in_envelope_intersecting(here)
+            .any(|body| body.clearance(p).distance_m() <= TOUCH_M)
     }
 
     /// How the point lies to the nearest opening; `None` when nothing is excavated.

@@ -94,7 +94,10 @@ impl Mine {
     pub fn zones_at(&self, point: &Position<MineGrid>) -> impl Iterator<Item = &Zone> {
         let p = *point.raw();
         let level = self.level_at(p.z).map(|level| level.id.as_str());
-        self.plan.zones.iter().filter(move |zone| Some(zone.level.as_str()) == level && zone.holds(false, p.x, p.y))
+        self.plan
+            .zones
+            .iter()
+            .filter(move |zone| Some(zone.level.as_str()) == level && zone.holds(false, p.x, p.y))
     }
 
     /// Places on the network inside a zone, to find the way to it; empty when no roadway leads there.

@@ -53,7 +53,9 @@ pub enum Problem {
     #[error("coordinate {found} m is more than {limit} m from the origin of the grid")]
     FarCoordinate { found: f64, limit: f64 },
     /// An id that cannot be told apart or typed.
-    #[error("id \"{id}\" is empty, longer than {limit} characters, or has blanks around it or control characters in it")]
+    #[error(
+        "id \"{id}\" is empty, longer than {limit} characters, or has blanks around it or control characters in it"
+    )]
     BadId { id: String, limit: usize },
     /// An id that another entry has.
     #[error("id \"{id}\" is also that of {other}")]
@@ -79,7 +81,9 @@ pub enum Problem {
     #[error("{what}")]
     NoTie { what: String },
     /// A control point that the others contradict.
-    #[error("control point {id} lies {residual_m:.3} m from where the fit puts it, expected {tolerance_m} m or less")]
+    #[error(
+        "control point {id} lies {residual_m:.3} m from where the fit puts it, expected {tolerance_m} m or less"
+    )]
     LargeResidual { id: String, residual_m: f64, tolerance_m: f64 },
     /// A grid whose metre is none.
     #[error("the fitted grid is {scale:.6} times the ground, expected 1 to within 0.1 %")]
@@ -117,7 +121,9 @@ pub enum Problem {
     #[error("ends {distance_m:.2} m from the centre line of roadway {other} and does not meet it")]
     NearMiss { other: String, distance_m: f64, snap_m: f64 },
     /// A part of the mine on its own.
-    #[error("is not connected to the rest of the mine ({length_m:.0} m of roadway); nearest: {nearest}, {distance_m:.1} m away")]
+    #[error(
+        "is not connected to the rest of the mine ({length_m:.0} m of roadway); nearest: {nearest}, {distance_m:.1} m away"
+    )]
     Disconnected { length_m: f64, nearest: String, distance_m: f64 },
 
     // Junctions.

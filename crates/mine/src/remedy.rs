@@ -42,7 +42,9 @@ impl Problem {
             Self::MissingGrid {} => {
                 "add `[grid]` with `kind = \"local\"`, `kind = \"epsg\"` and its code, or `kind = \"control-points\"`"
             }
-            Self::WrongType { .. } | Self::UnknownWord { .. } | Self::OutOfRange { .. } => "correct the value",
+            Self::WrongType { .. } | Self::UnknownWord { .. } | Self::OutOfRange { .. } => {
+                "correct the value"
+            }
             Self::NotFinite { .. } => "write the number, or leave an optional key out",
             Self::UnknownFormat { .. } => "use a newer adit",
             Self::BadFeature { .. } => "see docs/mine.md for the features of a mine",
@@ -52,22 +54,32 @@ impl Problem {
             Self::UnknownReference { nearest: Some(nearest), .. } => {
                 return format!("did you mean \"{nearest}\"?").into();
             }
-            Self::UnknownReference { kind, .. } => return format!("add this {kind} or correct the id").into(),
+            Self::UnknownReference { kind, .. } => {
+                return format!("add this {kind} or correct the id").into();
+            }
             Self::BadMac { .. } => "write twelve hexadecimal digits, with or without colons",
             Self::DuplicateMac { .. } => "correct one of them",
             Self::HalfPathLoss {} => "add the other or remove this one",
             Self::NotProjected { .. } => {
                 "project to a system in metres (a UTM zone, the national grid) and give its code"
             }
-            Self::NoTie { .. } => "add control points that spread in both directions, or use `fit = \"similarity\"`",
-            Self::LargeResidual { .. } => "check its coordinates (exchanged easting and northing?), or leave it out",
-            Self::OddScale { .. } => "check that grid coordinates are in metres and belong to these control points",
+            Self::NoTie { .. } => {
+                "add control points that spread in both directions, or use `fit = \"similarity\"`"
+            }
+            Self::LargeResidual { .. } => {
+                "check its coordinates (exchanged easting and northing?), or leave it out"
+            }
+            Self::OddScale { .. } => {
+                "check that grid coordinates are in metres and belong to these control points"
+            }
             Self::NothingSpare { .. } => "add a control point",
             Self::TooFewPoints { .. } => "add points",
             Self::ZeroLengthSegment { .. } => "remove one of them",
             Self::SteeperThanGiven { .. } => "correct a height, or raise `max_slope_percent`",
             Self::TooSteep { .. } => "correct a height, or give `kind = \"shaft\"` or a `max_slope_percent`",
-            Self::OffLevel { .. } => "correct the height, name the other level, or leave `level` out of ramps",
+            Self::OffLevel { .. } => {
+                "correct the height, name the other level, or leave `level` out of ramps"
+            }
             Self::DuplicateLine { .. } => "remove one of them",
             Self::Overlap { .. } => "end it where it meets the other",
             Self::CrossesWithoutJunction { .. } => {

@@ -107,7 +107,8 @@ impl Summary {
                 let step = pair[1].raw() - pair[0].raw();
                 steepest = steepest.max(step.z.abs() / libm::hypot(step.x, step.y));
                 let level = mine.level_at(0.5 * (pair[0].raw().z + pair[1].raw().z));
-                if let Some(summary) = levels.iter_mut().find(|l| Some(&l.id) == level.map(|level| &level.id)) {
+                if let Some(summary) = levels.iter_mut().find(|l| Some(&l.id) == level.map(|level| &level.id))
+                {
                     summary.roadway_m += step.norm();
                 }
             }

@@ -32,11 +32,13 @@ pub fn spots_in(plan: &MinePlan, network: &Network, levels: &Levels, zone: &Zone
         let centre = polygon::centroid(&zone.outline_m);
         let z = plan.levels[level].elevation_m;
         let reach_m = 100.0;
-        let beside = network.within(&Position::new(centre[0], centre[1], z), reach_m).into_iter().find(|foot| {
-            let p = foot.position_m.raw();
-            let half_m = network.edge(foot.spot.edge).map_or(0.0, |e| 0.5 * plan.roadways[e.roadway].width_m);
-            levels.of(p.z) == Some(level) && distance_m(&zone.outline_m, [p.x, p.y]) <= half_m
-        });
+        let beside =
+            network.within(&Position::new(centre[0], centre[1], z), reach_m).into_iter().find(|foot| {
+                let p = foot.position_m.raw();
+                let half_m =
+                    network.edge(foot.spot.edge).map_or(0.0, |e| 0.5 * plan.roadways[e.roadway].width_m);
+                levels.of(p.z) == Some(level) && distance_m(&zone.outline_m, [p.x, p.y]) <= half_m
+            });
         spots.extend(beside.map(|foot| foot.spot));
     }
     spots

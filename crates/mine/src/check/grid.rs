@@ -41,13 +41,13 @@ impl Checks<'_> {
                 if points.len() == exact {
                     self.report(place.clone(), Problem::NothingSpare { found: exact });
                 }
-                for (index, residual) in tie.residuals().iter().enumerate() {
-                    let residual_m = residual.horizontal_m.max(residual.vertical_m);
-                    if residual_m > *tolerance_m {
-                        let (id, tolerance_m) = (points[index].id.clone(), *tolerance_m);
-                        let problem = Problem::LargeResidual { id, residual_m, tolerance_m };
-                        self.report(place.clone().nth(index), problem);
-                    }
+                // One wrong point pulls the others along: the worst is told.
+                let residuals = tie.residuals().iter().map(|r| r.horizontal_m.max(r.vertical_m));
+                let worst = residuals.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+                if let Some((index, residual_m)) = worst.filter(|(_, residual_m)| residual_m > tolerance_m) {
+                    let (id, tolerance_m) = (points[index].id.clone(), *tolerance_m);
+                    let problem = Problem::LargeResidual { id, residual_m, tolerance_m };
+                    self.report(place.clone().nth(index), problem);
                 }
                 if (tie.scale() - 1.0).abs() > SCALE_LIMIT {
                     self.report(place, Problem::OddScale { scale: tie.scale() });

@@ -76,8 +76,11 @@ impl Checks<'_> {
         for (index, point) in plan.access_points.iter().enumerate() {
             let Some(mac) = &point.mac else { continue };
             let place = Place::entry("access_points", index).at("mac");
-            let digits: String =
-                mac.chars().filter(|c| !matches!(c, ':' | '-' | '.')).map(|c| c.to_ascii_lowercase()).collect();
+            let digits: String = mac
+                .chars()
+                .filter(|c| !matches!(c, ':' | '-' | '.'))
+                .map(|c| c.to_ascii_lowercase())
+                .collect();
             if digits.len() != 12 || !digits.chars().all(|c| c.is_ascii_hexdigit()) {
                 self.report(place, Problem::BadMac { mac: mac.chars().take(LONGEST_ID).collect() });
             } else if let Some(other) = known.insert(digits, &point.id) {

@@ -54,8 +54,8 @@ impl Checks<'_> {
             GeomWithData::new(corners, i)
         });
         let tree: Pieces = RTree::bulk_load(boxes.collect());
-        self.cuts(survey, &all, &tree);
-        let missed = self.near_misses(survey, &all, &tree);
+        let overlapping = self.cuts(survey, &all, &tree);
+        let missed = self.near_misses(survey, &all, &tree, &overlapping);
         if self.openings_known() {
             self.parts(survey, &missed);
         }
@@ -68,8 +68,11 @@ impl Checks<'_> {
             for (roadway, distance_m) in &built.missed[i] {
                 let roadway = &plan.roadways[*roadway].id;
                 let entry = junction.roadways.iter().position(|id| id == roadway).unwrap_or(0);
-                let problem =
-                    Problem::JunctionOff { roadway: roadway.clone(), distance_m: *distance_m, snap_m: plan.snap_m };
+                let problem = Problem::JunctionOff {
+                    roadway: roadway.clone(),
+                    distance_m: *distance_m,
+                    snap_m: plan.snap_m,
+                };
                 self.report(place.clone().at("roadways").nth(entry), problem);
             }
             let meet: BTreeSet<usize> = built.junctions[i]
@@ -84,8 +87,8 @@ impl Checks<'_> {
         }
     }
 
-    /// Roadways that run in the same place or cut each other.
-    fn cuts(&mut self, survey: &Survey, all: &[Piece], tree: &Pieces) {
+    /// Roadways that run in the same place or cut each other; gives those of the first kind.
+    fn cuts(&mut self, survey: &Survey, all: &[Piece], tree: &Pieces) -> BTreeSet<usize> {
         let plan = self.plan;
         let nodes = nodes_of_roadways(survey, plan.roadways.len());
         let mut overlaps: BTreeMap<(usize, usize), (f64, usize)> = BTreeMap::new();
@@ -133,24 +136,33 @@ impl Checks<'_> {
             let problem = Problem::DuplicateLine { other: plan.roadways[*two].id.clone() };
             self.report(Place::entry("roadways", *one).at("points_m"), problem);
         }
+        let mut overlapping: BTreeSet<usize> = twins.iter().map(|(one, _)| *one).collect();
         for ((one, two), (length_m, index)) in overlaps {
             let other = &plan.roadways[two];
             if length_m > plan.roadways[one].width_m + other.width_m {
+                overlapping.insert(one);
                 self.report(points(one, index), Problem::Overlap { other: other.id.clone(), length_m });
             }
         }
+        overlapping
     }
 
-    /// Ends inside another roadway that do not meet it; gives their roadways.
-    fn near_misses(&mut self, survey: &Survey, all: &[Piece], tree: &Pieces) -> BTreeSet<usize> {
+    /// Ends inside another roadway that do not meet it, but for roadways that run in it anyway; gives their roadways.
+    fn near_misses(
+        &mut self,
+        survey: &Survey,
+        all: &[Piece],
+        tree: &Pieces,
+        overlapping: &BTreeSet<usize>,
+    ) -> BTreeSet<usize> {
         let (plan, network) = (self.plan, &survey.built.network);
         let widest = plan.roadways.iter().map(|r| r.width_m.max(r.height_m)).fold(0.0, f64::max);
         let mut missed = BTreeSet::new();
-        for (roadway, ends) in survey.built.ends.iter().enumerate() {
+        let all_ends = survey.built.ends.iter().enumerate();
+        for (roadway, ends) in all_ends.filter(|(roadway, _)| !overlapping.contains(roadway)) {
             let (Some(ends), Some(line)) = (ends, &survey.built.lines[roadway]) else { continue };
             let last = plan.roadways[roadway].points_m.len().saturating_sub(1);
-            for (node, end, index) in
-                [(ends[0], line.at(0.0), 0), (ends[1], line.at(line.length_m()), last)]
+            for (node, end, index) in [(ends[0], line.at(0.0), 0), (ends[1], line.at(line.length_m()), last)]
             {
                 if network.edges_at(node).len() != 1 || ends[0] == ends[1] {
                     continue;
@@ -160,7 +172,9 @@ impl Checks<'_> {
                 let near = tree.locate_in_envelope_intersecting(around).map(|found| all[found.data]);
                 let closest = near
                     .filter(|piece| piece.roadway != roadway)
-                    .filter_map(|piece| almost_m(&piece, &end, &plan.roadways[piece.roadway]).map(|d| (d, piece)))
+                    .filter_map(|piece| {
+                        almost_m(&piece, &end, &plan.roadways[piece.roadway]).map(|d| (d, piece))
+                    })
                     .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.roadway.cmp(&b.1.roadway)));
                 if let Some((distance_m, piece)) = closest {
                     missed.insert(roadway);
@@ -184,12 +198,8 @@ impl Checks<'_> {
             lengths[part_of_edge(edge)] += edge.length_m();
         }
         let main = (0..count).max_by(|a, b| lengths[*a].total_cmp(&lengths[*b]).then(b.cmp(a)));
-        let explained: BTreeSet<usize> = network
-            .edges()
-            .iter()
-            .filter(|edge| missed.contains(&edge.roadway))
-            .map(part_of_edge)
-            .collect();
+        let explained: BTreeSet<usize> =
+            network.edges().iter().filter(|edge| missed.contains(&edge.roadway)).map(part_of_edge).collect();
         let others = (0..count).filter(|part| Some(*part) != main && !explained.contains(part));
         for part in others.take(PARTS_NAMED) {
             let own = || network.edges().iter().filter(|edge| part_of_edge(edge) == part);

@@ -6,6 +6,7 @@ use crate::excavation::Opening;
 use crate::finding::Place;
 use crate::geometry::plane::{length, minus};
 use crate::geometry::polygon::centroid;
+use crate::network::Travel;
 use crate::problem::Problem;
 
 /// A door this much narrower than its roadway leaves a gap, m.
@@ -31,7 +32,8 @@ impl Checks<'_> {
             let Some(level) = self.level(&pillar.level) else { continue };
             let band = survey.levels.band_m(level);
             let middle = centroid(&pillar.outline_m);
-            let in_air = pillar.outline_m.iter().chain([&middle]).any(|p| survey.excavation.reaches(*p, band));
+            let in_air =
+                pillar.outline_m.iter().chain([&middle]).any(|p| survey.excavation.reaches(*p, band));
             if !in_air {
                 let place = Place::entry("pillars", i).at("outline_m");
                 self.report(place, Problem::WorksInRock { what: "the whole pillar" });
@@ -79,6 +81,8 @@ impl Checks<'_> {
     fn routes(&mut self, survey: &Survey) {
         let plan = self.plan;
         let nodes = nodes_of_roadways(survey, plan.roadways.len());
+        let part_of = survey.built.network.parts(Travel::Any);
+        let part = |roadway: usize| nodes[roadway].first().map(|node| part_of[node.0 as usize]);
         let roadway = |id: &str| plan.roadways.iter().position(|r| r.id == id);
         for (i, route) in plan.vehicle_routes.iter().enumerate() {
             let place = Place::entry("vehicle_routes", i).at("roadways");
@@ -87,7 +91,9 @@ impl Checks<'_> {
             }
             for (n, pair) in route.roadways.windows(2).enumerate() {
                 let (Some(first), Some(second)) = (roadway(&pair[0]), roadway(&pair[1])) else { continue };
-                if first != second && nodes[first].is_disjoint(&nodes[second]) {
+                // Where the parts of the mine are not connected, that is told of them.
+                let connected = part(first).is_some() && part(first) == part(second);
+                if first != second && connected && nodes[first].is_disjoint(&nodes[second]) {
                     let problem = Problem::BrokenRoute { first: pair[0].clone(), second: pair[1].clone() };
                     self.report(place.clone().nth(n + 1), problem);
                 }

@@ -18,7 +18,8 @@ impl Checks<'_> {
                 self.report(Place::entry("zones", i), Problem::NoCapacity {});
             }
             let Some(level) = self.level(&zone.level) else { continue };
-            if self.openings_known() && !holds_opening(plan, survey, zone, level) {
+            if self.openings_known() && zone.outline_m.len() >= 3 && !holds_opening(plan, survey, zone, level)
+            {
                 let problem = Problem::EmptyZone { level: zone.level.clone() };
                 self.report(Place::entry("zones", i).at("outline_m"), problem);
             }

@@ -56,7 +56,11 @@ pub fn to_plan(collection: Node, found: &mut Vec<Found>) -> Node {
                     match to_entry(feature) {
                         Ok((index, entry)) => lists[index].1.push(entry),
                         Err(what) => {
-                            found.push(Found::new(feature_at, Place::default(), Problem::BadFeature { what }));
+                            found.push(Found::new(
+                                feature_at,
+                                Place::default(),
+                                Problem::BadFeature { what },
+                            ));
                         }
                     }
                 }
@@ -93,7 +97,8 @@ fn to_entry(feature: Node) -> Result<(usize, Node), String> {
         let found: String = found.chars().take(40).flat_map(char::escape_debug).collect();
         return Err(format!("found {found}, expected a {} for a {name}", kind.geometry));
     }
-    let coordinates = geometry.and_then(|g| g.get("coordinates")).ok_or("a geometry without `coordinates`")?;
+    let coordinates =
+        geometry.and_then(|g| g.get("coordinates")).ok_or("a geometry without `coordinates`")?;
     let place = if kind.geometry == "Polygon" { ring(coordinates)? } else { coordinates.clone() };
     let place = Entry::new(kind.key, place.at, place);
 
@@ -116,7 +121,10 @@ fn to_entry(feature: Node) -> Result<(usize, Node), String> {
 /// The outer ring of a polygon without the repeated corner.
 fn ring(coordinates: &Node) -> Result<Node, String> {
     let [ring] = coordinates.elements() else {
-        return Err(format!("found {} rings, expected 1: an outline has no holes", coordinates.elements().len()));
+        return Err(format!(
+            "found {} rings, expected 1: an outline has no holes",
+            coordinates.elements().len()
+        ));
     };
     let corners = ring.elements();
     let [first, between @ .., last] = corners else { return Err("a ring without corners".to_owned()) };

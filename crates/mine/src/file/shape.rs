@@ -10,8 +10,9 @@ use std::sync::LazyLock;
 
 /// Units at the end of names that people may write for ours.
 const UNITS: [&str; 32] = [
-    "m", "mm", "cm", "dm", "km", "ft", "in", "yd", "mi", "s", "ms", "us", "ns", "min", "h", "deg", "rad", "percent",
-    "permille", "dbm", "db", "mw", "w", "pa", "hpa", "kpa", "mbar", "m_s", "km_h", "kmh", "mph", "ppm",
+    "m", "mm", "cm", "dm", "km", "ft", "in", "yd", "mi", "s", "ms", "us", "ns", "min", "h", "deg", "rad",
+    "percent", "permille", "dbm", "db", "mw", "w", "pa", "hpa", "kpa", "mbar", "m_s", "km_h", "kmh", "mph",
+    "ppm",
 ];
 /// Names offered when none is near.
 const OFFERED: usize = 12;
@@ -200,7 +201,9 @@ fn same_quantity<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
     known.iter().copied().find(|name| {
         UNITS.iter().filter_map(|unit| name.strip_suffix(unit)?.strip_suffix('_')).any(|stem| {
             let rest = key.strip_prefix(stem);
-            rest.is_some_and(|rest| rest.is_empty() || rest.strip_prefix('_').is_some_and(|u| UNITS.contains(&u)))
+            rest.is_some_and(|rest| {
+                rest.is_empty() || rest.strip_prefix('_').is_some_and(|u| UNITS.contains(&u))
+            })
         })
     })
 }

@@ -44,9 +44,14 @@ fn toml(text: &str, found: &mut Vec<Found>) -> Option<Node> {
     let bare = text.strip_prefix('\u{feff}').unwrap_or(text);
     let shift = text.len() - bare.len();
     let (table, errors) = DeTable::parse_recoverable(bare);
+    let mut last_line = None;
     for error in errors.iter().take(MOST) {
         let at = error.span().map_or(bare.len(), |span| span.start);
-        found.push(syntax(shift + at, error.message()));
+        // After the first on a line the parser gropes for its way back.
+        let line = bare.bytes().take(at).filter(|byte| *byte == b'\n').count();
+        if last_line.replace(line) != Some(line) {
+            found.push(syntax(shift + at, error.message()));
+        }
     }
     let tree = toml_table(table.get_ref(), 0, shift);
     found.is_empty().then_some(tree)
@@ -68,16 +73,11 @@ fn toml_value(value: &DeValue<'_>, at: usize, shift: usize) -> Node {
     let value = match value {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Boolean(flag) => Value::Bool(*flag),
-        DeValue::Integer(number) => {
-            i64::from_str_radix(number.as_str(), number.radix()).map_or_else(
-                |_| Value::Text(number.as_str().to_owned()),
-                Value::Integer,
-            )
+        DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
+            .map_or_else(|_| Value::Text(number.as_str().to_owned()), Value::Integer),
+        DeValue::Float(number) => {
+            number.as_str().parse().map_or_else(|_| Value::Text(number.as_str().to_owned()), Value::Float)
         }
-        DeValue::Float(number) => number
-            .as_str()
-            .parse()
-            .map_or_else(|_| Value::Text(number.as_str().to_owned()), Value::Float),
         DeValue::Datetime(time) => Value::Text(time.to_string()),
         DeValue::Array(values) => Value::List(
             values.iter().map(|v| toml_value(v.get_ref(), shift + v.span().start, shift)).collect(),

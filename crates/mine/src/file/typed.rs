@@ -36,15 +36,24 @@ impl Kept {
 pub fn read(tree: &Node, found: &mut Vec<Found>) -> Typed {
     let bad: BTreeSet<(String, Option<usize>)> = found.iter().filter_map(|f| top(&f.finding.place)).collect();
     let sound = |key: &str| !bad.contains(&(key.to_owned(), None));
-    let mut reading = Reading { tree, found, bad: &bad, unread: Unread::default(), kept: Kept::default(), anything_lost: false };
+    let mut reading = Reading {
+        tree,
+        found,
+        bad: &bad,
+        unread: Unread::default(),
+        kept: Kept::default(),
+        anything_lost: false,
+    };
 
     let name = tree.get("name").and_then(Node::text).unwrap_or_default();
     let grid = tree.get("grid").filter(|_| sound("grid"));
     let grid: Option<Grid> = grid.and_then(|node| reading.one(node));
     reading.unread.grid = grid.is_none();
     let mut plan = MinePlan::new(name, grid.unwrap_or(Grid::Local {}));
-    plan.format = tree.get("format").filter(|_| sound("format")).and_then(|n| reading.one(n)).unwrap_or(FORMAT);
-    plan.snap_m = tree.get("snap_m").filter(|_| sound("snap_m")).and_then(|n| reading.one(n)).unwrap_or(SNAP_M);
+    plan.format =
+        tree.get("format").filter(|_| sound("format")).and_then(|n| reading.one(n)).unwrap_or(FORMAT);
+    plan.snap_m =
+        tree.get("snap_m").filter(|_| sound("snap_m")).and_then(|n| reading.one(n)).unwrap_or(SNAP_M);
     plan.levels = reading.list("levels");
     plan.roadways = reading.list("roadways");
     plan.chambers = reading.list("chambers");

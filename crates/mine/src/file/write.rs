@@ -38,11 +38,24 @@ pub fn to_toml(plan: &MinePlan) -> Result<String, MineError> {
 /// The keys of a plan in the order of its type, whatever order the map has.
 fn in_order(mut object: Map<String, Json>) -> Vec<(String, Json)> {
     let order = [
-        "format", "name", "snap_m", "grid", "levels", "roadways", "chambers", "junctions", "zones", "anchors",
-        "access_points", "rfid_portals", "pillars", "doors", "conveyors", "vehicle_routes",
+        "format",
+        "name",
+        "snap_m",
+        "grid",
+        "levels",
+        "roadways",
+        "chambers",
+        "junctions",
+        "zones",
+        "anchors",
+        "access_points",
+        "rfid_portals",
+        "pillars",
+        "doors",
+        "conveyors",
+        "vehicle_routes",
     ];
-    let mut ordered: Vec<(String, Json)> =
-        order.iter().filter_map(|key| object.remove_entry(*key)).collect();
+    let mut ordered: Vec<(String, Json)> = order.iter().filter_map(|key| object.remove_entry(*key)).collect();
     ordered.extend(object);
     ordered
 }

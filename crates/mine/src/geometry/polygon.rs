@@ -99,7 +99,9 @@ pub fn segments_meet(a: Point, b: Point, c: Point, d: Point) -> bool {
     {
         return true;
     }
-    [(a, b, c), (a, b, d), (c, d, a), (c, d, b)].iter().any(|(a, b, p)| distance_to_segment(*a, *b, *p) <= TOUCH_M)
+    [(a, b, c), (a, b, d), (c, d, a), (c, d, b)]
+        .iter()
+        .any(|(a, b, p)| distance_to_segment(*a, *b, *p) <= TOUCH_M)
 }
 
 /// Whether a line that runs along the outline counts as inside.

@@ -39,4 +39,3 @@ pub fn covered(spans: &mut [Span]) -> f64 {
     });
     sum
 }
-

@@ -115,7 +115,8 @@ impl<'l> Marks<'l> {
         for end in self.starts.clone().into_iter().flatten().flat_map(|start| [start, start + 1]) {
             let at = self.marks[end];
             for mark in pieces.near(&at.place, self.snap_m) {
-                let own_way = mark.roadway == at.roadway && (mark.along_m - at.along_m).abs() <= 3.0 * self.snap_m;
+                let own_way =
+                    mark.roadway == at.roadway && (mark.along_m - at.along_m).abs() <= 3.0 * self.snap_m;
                 if !own_way && let Some(other) = self.number(mark) {
                     self.same.push((end, other));
                 }

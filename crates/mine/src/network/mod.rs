@@ -135,7 +135,9 @@ impl Network {
             graph.add_edge(NodeIndex::new(edge.from.0 as usize), NodeIndex::new(edge.to.0 as usize), passage);
             let lines = edge.line.segments().enumerate();
             segments.extend(
-                lines.map(|(i, (a, b))| GeomWithData::new(Line::new([a.x, a.y, a.z], [b.x, b.y, b.z]), (id, i))),
+                lines.map(|(i, (a, b))| {
+                    GeomWithData::new(Line::new([a.x, a.y, a.z], [b.x, b.y, b.z]), (id, i))
+                }),
             );
         }
         Self { nodes, edges, graph, segments: RTree::bulk_load(segments) }

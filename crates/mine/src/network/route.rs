@@ -115,7 +115,8 @@ impl Network {
     fn doors(&self, spot: &Spot) -> Option<[Door; 2]> {
         let edge = self.edge(spot.edge)?;
         let (along_m, length_m) = (self.clamped(spot)?, edge.length_m());
-        let door = |node: NodeId, way_m, along_m| Door { node: NodeIndex::new(node.0 as usize), way_m, along_m };
+        let door =
+            |node: NodeId, way_m, along_m| Door { node: NodeIndex::new(node.0 as usize), way_m, along_m };
         Some([door(edge.from, along_m, 0.0), door(edge.to, length_m - along_m, length_m)])
     }
 }

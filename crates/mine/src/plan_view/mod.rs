@@ -237,7 +237,8 @@ impl Panel<'_> {
     fn devices(&self, svg: &mut Svg) {
         let plan = self.mine.plan();
         let anchors = plan.anchors.iter().map(|d| (Mark::Triangle, ANCHOR, d.id.as_str(), d.position_m));
-        let points = plan.access_points.iter().map(|d| (Mark::Circle, ACCESS_POINT, d.id.as_str(), d.position_m));
+        let points =
+            plan.access_points.iter().map(|d| (Mark::Circle, ACCESS_POINT, d.id.as_str(), d.position_m));
         let readers = plan.rfid_portals.iter().map(|d| (Mark::Square, RFID, d.id.as_str(), d.position_m));
         let here: Vec<(Mark, &str, &str, Position<MineGrid>)> =
             points.chain(anchors).chain(readers).filter(|(.., p)| self.here(p.raw().z)).collect();
@@ -342,7 +343,8 @@ fn draw_legend(svg: &mut Svg, row: &[&Entry], y: f64) {
 fn scale_bar(svg: &mut Svg, map: &Map, size: [f64; 2]) {
     let least = 60.0 / map.px_per_m;
     let power = 10_f64.powf(least.log10().floor());
-    let length_m = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|l| *l >= least).unwrap_or(least);
+    let length_m =
+        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|l| *l >= least).unwrap_or(least);
     let (right, y) = (size[0] - MARGIN_PX, size[1] - 16.0);
     let left = right - length_m * map.px_per_m;
     svg.line(&[[left, y - 4.0], [left, y], [right, y], [right, y - 4.0]], INK, 1.5, Stroke::Solid);
