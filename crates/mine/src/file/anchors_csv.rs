@@ -22,17 +22,18 @@ pub fn read(text: &str, found: &mut Vec<Found>) -> Option<Node> {
             return None;
         }
     };
+    let head = place(&header, bare, shift);
     for (index, name) in header.iter().enumerate() {
         let expected = || COLUMNS.map(str::to_owned).to_vec();
         if !COLUMNS.contains(&name) {
             let problem = Problem::UnknownKey { key: name.chars().take(64).collect(), expected: expected() };
-            found.push(Found::new(0, Place::default(), problem));
+            found.push(Found::new(head, Place::default(), problem));
         } else if header.iter().take(index).any(|before| before == name) {
-            found.push(Found::new(0, Place::default(), Problem::RepeatedKey { key: name.to_owned() }));
+            found.push(Found::new(head, Place::default(), Problem::RepeatedKey { key: name.to_owned() }));
         }
     }
     for column in COLUMNS.iter().filter(|column| !header.iter().any(|name| name == **column)) {
-        found.push(Found::new(0, Place::default(), Problem::MissingKey { key: (*column).to_owned() }));
+        found.push(Found::new(head, Place::default(), Problem::MissingKey { key: (*column).to_owned() }));
     }
     if !found.is_empty() {
         return None;
@@ -41,7 +42,7 @@ pub fn read(text: &str, found: &mut Vec<Found>) -> Option<Node> {
     let mut anchors = Vec::new();
     for row in reader.records() {
         match row {
-            Ok(row) => anchors.extend(anchor(&row, columns, header.len(), shift, found)),
+            Ok(row) => anchors.extend(anchor(&row, columns, header.len(), place(&row, bare, shift), found)),
             Err(error) => {
                 let at = error.position().map_or(0, |p| usize::try_from(p.byte()).unwrap_or(0));
                 found.push(syntax(shift + at, error.to_string()));
@@ -63,10 +64,9 @@ fn anchor(
     row: &StringRecord,
     columns: [usize; 4],
     width: usize,
-    shift: usize,
+    at: usize,
     found: &mut Vec<Found>,
 ) -> Option<Node> {
-    let at = shift + row.position().map_or(0, |p| usize::try_from(p.byte()).unwrap_or(0));
     if row.len() != width {
         found.push(syntax(at, format!("found {} fields, expected {width}, as in the header", row.len())));
         return None;
@@ -88,4 +88,12 @@ fn anchor(
         Entry::new("position_m", at, Node::new(at, Value::List(coordinates))),
     ];
     Some(Node::new(at, Value::Table(entries)))
+}
+
+/// The byte at which a record begins, empty lines and comments before it left out.
+fn place(row: &StringRecord, text: &str, shift: usize) -> usize {
+    let start = row.position().and_then(|p| usize::try_from(p.byte()).ok()).unwrap_or(0);
+    let lines = text.get(start..).unwrap_or_default().split_inclusive('\n');
+    let skipped = lines.take_while(|line| line.trim().is_empty() || line.starts_with('#'));
+    shift + start + skipped.map(str::len).sum::<usize>()
 }

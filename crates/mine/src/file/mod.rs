@@ -5,7 +5,7 @@
 //! | TOML, for people | none of the others | yes | [`to_toml`] |
 //! | JSON, the same keys | `{` first | yes | [`to_json`] |
 //! | GeoJSON, for maps | `"type": "FeatureCollection"` | yes | [`to_geojson`] |
-//! | CSV of anchors alone | `anchor_id` in the first line | yes | – |
+//! | CSV of anchors alone | a column `anchor_id` in the first line that is no comment | yes | – |
 //!
 //! All forms become one [tree](tree) of values that know where they stood; its shape is held against the JSON Schema of
 //! [`MinePlan`] ([`shape`]), the rest is [`check`](crate::check()). What is wrong in one entry hides nothing in
@@ -135,7 +135,8 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Checked {
 fn form(bytes: &[u8]) -> Form {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = text.trim_ascii_start();
-    let first_line = start.split(|b| *b == b'\n').next().unwrap_or_default();
+    let mut lines = start.split(|b| *b == b'\n');
+    let first_line = lines.find(|line| !line.trim_ascii().is_empty() && line[0] != b'#').unwrap_or_default();
     if start.first() == Some(&b'{') {
         if syntax::is_feature_collection(bytes) { Form::GeoJson } else { Form::Json }
     } else if first_line.split(|b| *b == b',').any(|name| name.trim_ascii() == b"anchor_id") {
