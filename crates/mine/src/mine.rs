@@ -60,6 +60,15 @@ impl Mine {
         }
     }
 
+    /// A mine of a plan that is not checked: what is wrong in it stays wrong. For what programs make, and for tests.
+    ///
+    /// Numbers must be finite and within 10⁷ m, as [`check`](crate::check()) wants them; else answers mean nothing.
+    pub fn unchecked(plan: MinePlan) -> Self {
+        let plan = plan.canonical();
+        let survey = Survey::new(&plan);
+        Self::from_survey(plan, survey)
+    }
+
     pub(crate) fn from_survey(plan: MinePlan, survey: Survey) -> Self {
         let Survey { built, excavation, levels } = survey;
         Self { plan, network: built.network, excavation, levels }

@@ -65,7 +65,7 @@ impl Checks<'_> {
     fn id(&mut self, place: Place, id: &str) {
         let odd = id.is_empty() || id.trim() != id || id.chars().any(char::is_control);
         if odd || id.chars().count() > LONGEST_ID {
-            let id = id.chars().take(LONGEST_ID).flat_map(char::escape_debug).collect();
+            let id = id.chars().take(LONGEST_ID).collect();
             self.report(place, Problem::BadId { id, limit: LONGEST_ID });
         }
     }

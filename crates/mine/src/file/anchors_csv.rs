@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::syntax::syntax;
-use super::tree::{Entry, Node, Value};
+use super::tree::{Entry, Node, Value, shown};
 use crate::finding::Place;
 use crate::problem::Problem;
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -26,7 +26,7 @@ pub fn read(text: &str, found: &mut Vec<Found>) -> Option<Node> {
     for (index, name) in header.iter().enumerate() {
         let expected = || COLUMNS.map(str::to_owned).to_vec();
         if !COLUMNS.contains(&name) {
-            let problem = Problem::UnknownKey { key: name.chars().take(64).collect(), expected: expected() };
+            let problem = Problem::UnknownKey { key: shown(name), expected: expected() };
             found.push(Found::new(head, Place::default(), problem));
         } else if header.iter().take(index).any(|before| before == name) {
             found.push(Found::new(head, Place::default(), Problem::RepeatedKey { key: name.to_owned() }));

@@ -11,7 +11,7 @@
 //! longitude and latitude: RFC 7946 (§4) leaves that to agreement, and the member `mine` is where it is written.
 
 use super::Found;
-use super::tree::{Entry, Node, Value};
+use super::tree::{Entry, Node, Value, shown};
 use crate::finding::Place;
 use crate::problem::Problem;
 use serde_json::{Map, Value as Json, json};
@@ -86,16 +86,14 @@ fn to_entry(feature: Node) -> Result<(usize, Node), String> {
     let name = name.ok_or_else(|| format!("property `feature` is missing, expected one of {}", known()))?;
     let index = KINDS.iter().position(|kind| kind.feature == name);
     let index = index.ok_or_else(|| {
-        let shown: String = name.chars().take(40).flat_map(char::escape_debug).collect();
-        format!("unknown \"{shown}\", expected one of {}", known())
+        format!("unknown \"{}\", expected one of {}", shown(name), known())
     })?;
     let kind = &KINDS[index];
 
     let geometry = feature.get("geometry");
     let found = geometry.and_then(|g| g.get("type")).and_then(Node::text).unwrap_or("no geometry");
     if found != kind.geometry {
-        let found: String = found.chars().take(40).flat_map(char::escape_debug).collect();
-        return Err(format!("found {found}, expected a {} for a {name}", kind.geometry));
+        return Err(format!("found {}, expected a {} for a {name}", shown(found), kind.geometry));
     }
     let coordinates =
         geometry.and_then(|g| g.get("coordinates")).ok_or("a geometry without `coordinates`")?;

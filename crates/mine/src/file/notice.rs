@@ -1,7 +1,7 @@
 //! What is wrong, with file and line.
 
 use super::Found;
-use super::tree::{Node, Value};
+use super::tree::{Node, Value, shown};
 use crate::finding::{Finding, Severity, Step};
 use serde::{Serialize, Serializer, ser::SerializeStruct as _};
 use std::fmt;
@@ -38,10 +38,12 @@ impl fmt::Display for Notice {
             Severity::Warning => "warning",
         };
         write!(f, "{}:{}: {severity}: ", self.file.display(), self.line)?;
-        if let Some(subject) = &self.subject {
-            write!(f, "{subject}: ")?;
-        }
-        write!(f, "{}", self.finding)
+        // Names in a file may hold anything; a message is one line.
+        let mut text = self.subject.as_ref().map_or_else(String::new, |subject| format!("{subject}: "));
+        text += &self.finding.to_string();
+        text.chars().try_for_each(|c| {
+            if c.is_control() { write!(f, "{}", c.escape_debug()) } else { write!(f, "{c}") }
+        })
     }
 }
 
@@ -97,8 +99,7 @@ fn subject(tree: &Node, finding: &Finding) -> Option<String> {
     let entry = tree.get(list)?.entry(*index)?;
     match entry.get("id").map(|id| &id.value) {
         Some(Value::Text(id)) if !id.is_empty() => {
-            let id: String = id.chars().take(64).flat_map(char::escape_debug).collect();
-            Some(format!("{called} {id}"))
+            Some(format!("{called} {}", shown(id)))
         }
         _ => Some(format!("{called} {}", index + 1)),
     }

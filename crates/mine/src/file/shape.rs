@@ -1,7 +1,7 @@
 //! Has the tree the shape of a plan? Held against the JSON Schema that the types themselves give.
 
 use super::Found;
-use super::tree::{Node, Value};
+use super::tree::{Node, Value, shown};
 use crate::finding::Place;
 use crate::plan::MinePlan;
 use crate::problem::Problem;
@@ -104,7 +104,7 @@ impl Walk<'_> {
             None => self.wrong(node, place, key, &format!("one of {}", words.join(", "))),
             Some(word) if words.contains(&word) => {}
             Some(word) => {
-                let found = word.chars().take(40).flat_map(char::escape_debug).collect();
+                let found = shown(word);
                 let expected = words.iter().map(|w| (*w).to_owned()).collect();
                 self.report(node.at, place, Problem::UnknownWord { key: key.to_owned(), found, expected });
             }
@@ -139,7 +139,7 @@ impl Walk<'_> {
                 continue;
             }
             let known: Vec<&str> = properties.keys().map(String::as_str).collect();
-            let key = entry.key.chars().take(64).flat_map(char::escape_debug).collect();
+            let key = shown(&entry.key);
             let problem = if let Some(expected) = same_quantity(&entry.key, &known) {
                 meant.push(expected);
                 Problem::WrongUnit { key, expected: expected.to_owned() }

@@ -1,6 +1,6 @@
 //! Text to tree: TOML, JSON and CSV, with everything that is wrong as text.
 
-use super::tree::{Entry, Node, Value};
+use super::tree::{Entry, Node, Value, shown};
 use super::{Form, Found, anchors_csv};
 use crate::finding::Place;
 use crate::problem::Problem;
@@ -138,7 +138,7 @@ fn json_value(value: &ast::Value<'_>, found: &mut Vec<Found>) -> Node {
             for property in &object.properties {
                 let key = property.name.as_str();
                 if entries.iter().any(|entry| entry.key == key) {
-                    let problem = Problem::RepeatedKey { key: key.chars().take(64).collect() };
+                    let problem = Problem::RepeatedKey { key: shown(key) };
                     found.push(Found::new(property.range.start, Place::default(), problem));
                     continue;
                 }

@@ -2,6 +2,14 @@
 
 use crate::finding::{Place, Step};
 
+/// Characters of a name or a text that a message repeats.
+const SHOWN: usize = 64;
+
+/// The beginning of a text, for a message.
+pub fn shown(text: &str) -> String {
+    text.chars().take(SHOWN).collect()
+}
+
 /// A value and the byte at which it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
@@ -89,8 +97,8 @@ impl Node {
             Value::Integer(number) => number.to_string(),
             Value::Float(number) => number.to_string(),
             Value::Text(text) => {
-                let start: String = text.chars().take(40).flat_map(char::escape_debug).collect();
-                let more = if text.chars().count() > 40 { "…" } else { "" };
+                let start = shown(text);
+                let more = if start.len() < text.len() { "…" } else { "" };
                 format!("\"{start}{more}\"")
             }
             Value::List(elements) => format!("a list of {}", elements.len()),

@@ -71,7 +71,7 @@ impl Polyline {
     /// Unit vector in which the line runs this far from the start.
     pub fn direction_at(&self, along_m: f64) -> Vector3<f64> {
         let i = self.segment_at(along_m);
-        (self.points[i + 1] - self.points[i]) / (self.reached[i + 1] - self.reached[i])
+        (self.points[i + 1] - self.points[i]).normalize()
     }
 
     /// The nearest place on straight piece `index`, in space.
