@@ -12,10 +12,11 @@ const NAME: &str = "fuzzed";
 /// Checks a mine of any form, and asks it some questions when it is one. True for a mine.
 pub fn check_mine(bytes: &[u8]) -> bool {
     let checked = parse(Path::new(NAME), bytes);
+    let lines = bytes.split(|b| *b == b'\n').count() as u64;
     for notice in &checked.notices {
         let text = notice.to_string();
         assert!(text.starts_with(NAME) && !text.contains('\n'), "not one clear line: {text}");
-        assert!(notice.line >= 1 && notice.line <= 1 + bytes.iter().filter(|b| **b == b'\n').count() as u64);
+        assert!((1..=lines).contains(&notice.line));
     }
     assert!(checked.notices.is_sorted_by_key(|notice| notice.line), "notices come in order of line");
     let Some(mine) = checked.mine else {

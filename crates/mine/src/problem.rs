@@ -41,7 +41,7 @@ pub enum Problem {
     /// A file of a later program.
     #[error("format {found}, this program reads format {expected}")]
     UnknownFormat { found: u32, expected: u32 },
-    /// A feature of a GeoJSON file that adit cannot place.
+    /// A feature of a `GeoJSON` file that adit cannot place.
     #[error("feature: {what}")]
     BadFeature { what: String },
 
@@ -131,7 +131,7 @@ pub enum Problem {
     #[error("is {distance_m:.2} m from the centre line of roadway {roadway}, expected {snap_m} m or less")]
     JunctionOff { roadway: String, distance_m: f64, snap_m: f64 },
     /// A junction where fewer than two roadways meet.
-    #[error("{found} roadways meet here, expected 2 or more")]
+    #[error("roadways that meet here: {found}, expected 2 or more")]
     JunctionOfOne { found: usize },
 
     // Outlines.

@@ -25,7 +25,6 @@ impl Problem {
     }
 
     /// What to do about it, as half a sentence.
-    #[expect(clippy::too_many_lines, reason = "one line per problem")]
     pub fn remedy(&self) -> Cow<'static, str> {
         Cow::Borrowed(match self {
             Self::Syntax { .. } => "correct the text here or just before",
@@ -37,7 +36,9 @@ impl Problem {
             Self::WrongUnit { expected, .. } => {
                 return format!("convert the value and rename it to `{expected}`").into();
             }
-            Self::RepeatedKey { .. } => "remove one of them",
+            Self::RepeatedKey { .. } | Self::ZeroLengthSegment { .. } | Self::DuplicateLine { .. } => {
+                "remove one of them"
+            }
             Self::MissingKey { key } => return format!("add `{key} = …`").into(),
             Self::MissingGrid {} => {
                 "add `[grid]` with `kind = \"local\"`, `kind = \"epsg\"` and its code, or `kind = \"control-points\"`"
@@ -74,13 +75,11 @@ impl Problem {
             }
             Self::NothingSpare { .. } => "add a control point",
             Self::TooFewPoints { .. } => "add points",
-            Self::ZeroLengthSegment { .. } => "remove one of them",
             Self::SteeperThanGiven { .. } => "correct a height, or raise `max_slope_percent`",
             Self::TooSteep { .. } => "correct a height, or give `kind = \"shaft\"` or a `max_slope_percent`",
             Self::OffLevel { .. } => {
                 "correct the height, name the other level, or leave `level` out of ramps"
             }
-            Self::DuplicateLine { .. } => "remove one of them",
             Self::Overlap { .. } => "end it where it meets the other",
             Self::CrossesWithoutJunction { .. } => {
                 "add a junction there, or correct a height if one runs above the other"

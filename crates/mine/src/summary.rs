@@ -166,6 +166,15 @@ fn zones(mine: &Mine) -> ZoneSummary {
     zones
 }
 
+/// A number of things: `1 door`, `2 doors`.
+struct Count(usize, &'static str);
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}{}", self.0, self.1, if self.0 == 1 { "" } else { "s" })
+    }
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "mine        {}, grid {}", self.name, self.grid)?;
@@ -186,33 +195,42 @@ impl fmt::Display for Summary {
             write!(f, "; {:.0} m of shaft in {}", self.shaft_m, self.shafts)?;
         }
         if self.chambers > 0 {
-            write!(f, "; {} chambers", self.chambers)?;
+            write!(f, "; {}", Count(self.chambers, "chamber"))?;
         }
         writeln!(f)?;
         writeln!(
             f,
-            "network     {} junctions, {} dead ends, {} edges in {} {}",
-            self.junctions,
-            self.dead_ends,
-            self.edges,
-            self.components,
-            if self.components == 1 { "part" } else { "parts" }
+            "network     {}, {}, {} in {}",
+            Count(self.junctions, "junction"),
+            Count(self.dead_ends, "dead end"),
+            Count(self.edges, "edge"),
+            Count(self.components, "part")
         )?;
         let z = &self.zones;
         writeln!(
             f,
-            "zones       {} restricted, {} dangerous, {} key, {} portals, {} refuges for {} people",
-            z.restricted, z.dangerous, z.key, z.portal, z.refuge, z.refuge_capacity
+            "zones       {} restricted, {} dangerous, {} key, {}, {} for {} people",
+            z.restricted,
+            z.dangerous,
+            z.key,
+            Count(z.portal, "portal"),
+            Count(z.refuge, "refuge"),
+            z.refuge_capacity
         )?;
         writeln!(
             f,
-            "devices     {} UWB anchors, {} access points, {} RFID portals",
-            self.anchors, self.access_points, self.rfid_portals
+            "devices     {}, {}, {}",
+            Count(self.anchors, "UWB anchor"),
+            Count(self.access_points, "access point"),
+            Count(self.rfid_portals, "RFID portal")
         )?;
         writeln!(
             f,
-            "works       {} pillars, {} doors, {} conveyors, {} vehicle routes",
-            self.pillars, self.doors, self.conveyors, self.vehicle_routes
+            "works       {}, {}, {}, {}",
+            Count(self.pillars, "pillar"),
+            Count(self.doors, "door"),
+            Count(self.conveyors, "conveyor"),
+            Count(self.vehicle_routes, "vehicle route")
         )
     }
 }

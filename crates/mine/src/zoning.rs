@@ -3,6 +3,7 @@
 use crate::check::Survey;
 use crate::geometry::plane::{Point, along, minus};
 use crate::geometry::polygon::{self, Outline, chords, contains, distance_m, segments_meet, sides};
+use crate::geometry::polyline::Polyline;
 use crate::levels::Levels;
 use crate::network::{EdgeId, Network, Spot};
 use crate::plan::{MinePlan, Zone};
@@ -49,7 +50,7 @@ pub fn holds_opening(plan: &MinePlan, survey: &Survey, zone: &Zone, level: usize
     let outline = &zone.outline_m;
     let of_level = |z: f64| survey.levels.of(z) == Some(level);
     let roadway = survey.built.lines.iter().zip(&plan.roadways).any(|(line, roadway)| {
-        line.iter().flat_map(|line| line.segments()).any(|(a, b)| {
+        line.iter().flat_map(Polyline::segments).any(|(a, b)| {
             (of_level(a.z) || of_level(b.z))
                 && reaches(outline, [a.x, a.y], [b.x, b.y], 0.5 * roadway.width_m)
         })

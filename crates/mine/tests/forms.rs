@@ -6,8 +6,8 @@ mod common;
 use adit_core::frames::Position;
 use adit_mine::file::{Form, parse, to_geojson, to_json, to_toml};
 use adit_mine::plan::{
-    AccessPoint, Anchor, ControlPoint, Door, DoorKind, Fit, Grid, Level, MinePlan, PathLoss, Radio, RoadwayKind, Zone,
-    ZoneKind,
+    AccessPoint, Anchor, ControlPoint, Door, DoorKind, Fit, Grid, Level, MinePlan, PathLoss, Radio,
+    RoadwayKind, Zone, ZoneKind,
 };
 use common::{plan, roadway, shipped};
 use proptest::prelude::*;
@@ -197,7 +197,10 @@ fn a_list_of_anchors_with_a_mistake_is_told_with_its_line() {
         ("anchor_id,x_ft,y_m,z_m\n".to_owned(), "a.csv:1: error: unknown key `x_ft`"),
         (format!("{header}A,1,2,3\nB,1,2,up\n"), "a.csv:3: error: `z_m`: found \"up\", expected a number"),
         (format!("{header}A,1,2,3\nB,1,2\n"), "a.csv:3: error: found 3 fields, expected 4"),
-        (format!("{header}A,1,2,3\n\nA,1,2,4\n"), "a.csv:4: error: anchor A: id \"A\" is also that of anchor 1"),
+        (
+            format!("{header}A,1,2,3\n\nA,1,2,4\n"),
+            "a.csv:4: error: anchor A: id \"A\" is also that of anchor 1",
+        ),
         (format!("{header}A,1,NaN,3\n"), "a.csv:2: error: anchor A: `position_m[1]`: found NaN"),
     ];
     for (text, expected) in cases {
@@ -215,14 +218,29 @@ fn a_geojson_file_with_a_mistake_is_told_with_its_line() {
     assert_eq!((checked.form, checked.errors().count()), (Form::GeoJson, 0), "{:?}", checked.notices);
     let cases = [
         (good.replace("\"roadway\"", "\"tunnel\""), "m.geojson:4: error: feature: unknown \"tunnel\""),
-        (good.replace("\"feature\": \"roadway\", ", ""), "m.geojson:4: error: feature: property `feature` is missing"),
-        (good.replace("LineString", "Point"), "m.geojson:4: error: feature: found Point, expected a LineString"),
-        (good.replace("\"width_m\": 4", "\"width_m\": \"4\""), "m.geojson:4: error: roadway r: `width_m`: found \"4\""),
+        (
+            good.replace("\"feature\": \"roadway\", ", ""),
+            "m.geojson:4: error: feature: property `feature` is missing",
+        ),
+        (
+            good.replace("LineString", "Point"),
+            "m.geojson:4: error: feature: found Point, expected a LineString",
+        ),
+        (
+            good.replace("\"width_m\": 4", "\"width_m\": \"4\""),
+            "m.geojson:4: error: roadway r: `width_m`: found \"4\"",
+        ),
         (good.replace("\"width_m\": 4, ", ""), "m.geojson:4: error: roadway r: `width_m` is missing"),
-        (good.replace("[9, 0, 0]", "[9, 0]"), "m.geojson:4: error: roadway r: `points_m[1]`: found a list of 2"),
+        (
+            good.replace("[9, 0, 0]", "[9, 0]"),
+            "m.geojson:4: error: roadway r: `points_m[1]`: found a list of 2",
+        ),
         (good.replace("\"name\": \"m\", ", ""), "m.geojson:1: error: `name` is missing"),
         (good.replace("9, 0, 0", "9, 0, 0,"), "m.geojson:4: error: "),
-        (good.replace("\"id\": \"r\"", "\"id\": \"r\", \"id\": \"s\""), "m.geojson:4: error: key `id` stands here twice"),
+        (
+            good.replace("\"id\": \"r\"", "\"id\": \"r\", \"id\": \"s\""),
+            "m.geojson:4: error: key `id` stands here twice",
+        ),
     ];
     for (text, expected) in cases {
         let message = told("m.geojson", &text);

@@ -38,7 +38,8 @@ fn distances_from_zones_are_those_of_geos() {
             exit_delay_s: 0.0,
             outline_m: pairs(row[0]),
         };
-        let (x, y, expected): (f64, f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap(), row[3].parse().unwrap());
+        let (x, y, expected): (f64, f64, f64) =
+            (row[1].parse().unwrap(), row[2].parse().unwrap(), row[3].parse().unwrap());
         let found = zone.distance_m(x, y);
         // Northings of 5.7e6 m are stored to 1e-9 m.
         assert!((found - expected).abs() < 1e-8, "{row:?}: {found}");
@@ -94,28 +95,43 @@ fn rock_and_pillars_on_a_line_of_sight_are_those_of_geos() {
             // A circle of 4096 sides lies up to 1e-6 m inside the true one; a line that enters at a grazing angle of
             // 3° meets it 2e-5 m later, and at a tangent up to the root of the two: 2 mm.
             assert!((sight.rock_m - rock_m).abs() < 4e-3, "{ax} {ay} {bx} {by}: {sight:?}, shapely {rock_m}");
-            assert!((sight.pillar_m - pillar_m).abs() < 1e-9, "{ax} {ay} {bx} {by}: {sight:?}, shapely {pillar_m}");
+            assert!(
+                (sight.pillar_m - pillar_m).abs() < 1e-9,
+                "{ax} {ay} {bx} {by}: {sight:?}, shapely {pillar_m}"
+            );
             assert_eq!(sight.pillars > 0, pillar_m > 0.0);
             clear += usize::from(rock_m == 0.0);
             blocked += usize::from(rock_m > 0.0);
             through += usize::from(pillar_m > 0.0);
             // Seen from the other end it is the same.
             let back = mine.sight(&b, &a);
-            assert!((back.rock_m - sight.rock_m).abs() < 1e-9 && (back.pillar_m - sight.pillar_m).abs() < 1e-9);
+            assert!(
+                (back.rock_m - sight.rock_m).abs() < 1e-9 && (back.pillar_m - sight.pillar_m).abs() < 1e-9
+            );
         }
     }
     assert!(clear > 30 && blocked > 100 && through > 30, "{clear} {blocked} {through}");
 }
 
+#[derive(Default)]
+struct Maze {
+    roadways: Vec<Vec<f64>>,
+    ways: Vec<Vec<f64>>,
+}
+
 #[test]
 fn shortest_ways_are_those_of_networkx() {
-    let mut mazes: BTreeMap<usize, (Vec<Vec<f64>>, Vec<Vec<f64>>)> = BTreeMap::new();
+    let mut mazes: BTreeMap<usize, Maze> = BTreeMap::new();
     for row in rows(include_str!("reference/routes.csv")) {
         let maze = mazes.entry(row[0].parse().unwrap()).or_default();
-        if row[1] == "roadway" { maze.0.push(numbers(row[2])) } else { maze.1.push(numbers(row[2])) }
+        if row[1] == "roadway" {
+            maze.roadways.push(numbers(row[2]))
+        } else {
+            maze.ways.push(numbers(row[2]))
+        }
     }
     let (mut found, mut none) = (0, 0);
-    for (roadways, ways) in mazes.into_values() {
+    for Maze { roadways, ways } in mazes.into_values() {
         let roadways = roadways.iter().enumerate().map(|(number, points)| {
             let points: Vec<[f64; 3]> = points.chunks(3).map(|p| [p[0], p[1], p[2]]).collect();
             roadway(&format!("r{number}"), 3.0, &points)
@@ -125,7 +141,11 @@ fn shortest_ways_are_those_of_networkx() {
         for way in ways {
             let [first, s, last, t, expected] = way[..] else { unreachable!("five numbers") };
             // Each roadway is one edge, in order.
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "small whole numbers"
+            )]
             let spot = |number: f64, along_m| Spot { edge: EdgeId(number as u32), along_m };
             let route = network.route(&spot(first, s), &spot(last, t), Travel::OnFoot);
             let Some(route) = route else {
@@ -151,7 +171,13 @@ fn a_fitted_grid_is_utm_as_proj_knows_it() {
         let grid_m = Position::new(v[0], v[1], v[2]);
         if row[0] == "control" {
             let (longitude_deg, latitude_deg, height_m) = (v[3], v[4], v[5]);
-            points.push(ControlPoint { id: format!("k{number}"), grid_m, latitude_deg, longitude_deg, height_m });
+            points.push(ControlPoint {
+                id: format!("k{number}"),
+                grid_m,
+                latitude_deg,
+                longitude_deg,
+                height_m,
+            });
         } else {
             tests.push((grid_m, v));
         }

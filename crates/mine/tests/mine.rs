@@ -35,12 +35,14 @@ fn two_levels() -> MinePlan {
 #[test]
 fn heights_belong_to_the_nearest_level_and_zones_to_theirs() {
     let mine = Mine::new(two_levels()).unwrap();
-    for (z, level) in [(500.0, "floor"), (0.0, "floor"), (-19.9, "floor"), (-20.1, "deep"), (-900.0, "deep")] {
+    for (z, level) in [(500.0, "floor"), (0.0, "floor"), (-19.9, "floor"), (-20.1, "deep"), (-900.0, "deep")]
+    {
         assert_eq!(mine.level_at(z).unwrap().id, level, "{z}");
     }
     assert_eq!(mine.band_m("deep"), Some((f64::NEG_INFINITY, -20.0)));
     assert_eq!(mine.band_m("attic"), None);
-    let zones = |z| mine.zones_at(&Position::new(15.0, 1.0, z)).map(|zone| zone.id.clone()).collect::<Vec<_>>();
+    let zones =
+        |z| mine.zones_at(&Position::new(15.0, 1.0, z)).map(|zone| zone.id.clone()).collect::<Vec<_>>();
     assert_eq!(zones(1.0), ["in-upper"]);
     assert_eq!(zones(-39.0), ["in-lower"]);
     assert!(mine.zones_at(&Position::new(25.0, 1.0, 1.0)).next().is_none());
@@ -74,7 +76,12 @@ fn levels_do_not_see_each_other_through_rock() {
 fn pillars_block_as_high_as_they_are_and_doors_while_they_are_closed() {
     let mut plan = two_levels();
     let stone = vec![[40.0, -1.0], [42.0, -1.0], [42.0, 1.0], [40.0, 1.0]];
-    let pillar = |id: &str, height_m| Pillar { id: id.into(), level: "floor".into(), height_m, outline_m: stone.clone() };
+    let pillar = |id: &str, height_m| Pillar {
+        id: id.into(),
+        level: "floor".into(),
+        height_m,
+        outline_m: stone.clone(),
+    };
     plan.pillars = vec![pillar("tall", None)];
     let (low, high) = (1.0, 2.8);
     let at = |x, z| Position::new(x, 0.0, z);

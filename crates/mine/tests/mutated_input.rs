@@ -17,8 +17,26 @@ use std::time::{Duration, Instant};
 
 /// What mutations like to put in place of text.
 const TOKENS: [&str; 20] = [
-    "nan", "-inf", "1e308", "-1e-320", "0", "-0.0", "99999999999999999999", "[", "]", "{", "}", "\"", "\n", "=", "null", "lab",
-    "[[zones]]\n", "width_m", ",", "\u{feff}",
+    "nan",
+    "-inf",
+    "1e308",
+    "-1e-320",
+    "0",
+    "-0.0",
+    "99999999999999999999",
+    "[",
+    "]",
+    "{",
+    "}",
+    "\"",
+    "\n",
+    "=",
+    "null",
+    "lab",
+    "[[zones]]\n",
+    "width_m",
+    ",",
+    "\u{feff}",
 ];
 
 fn seeds() -> Vec<Vec<u8>> {

@@ -18,7 +18,12 @@ fn corner() -> impl Strategy<Value = [f64; 3]> {
 
 /// Roadways, most of which begin where an earlier one bends or ends.
 fn roadways() -> impl Strategy<Value = Vec<Roadway>> {
-    let one = (proptest::collection::vec(corner(), 2..5), 2.0..8.0_f64, any::<proptest::sample::Index>(), any::<bool>());
+    let one = (
+        proptest::collection::vec(corner(), 2..5),
+        2.0..8.0_f64,
+        any::<proptest::sample::Index>(),
+        any::<bool>(),
+    );
     proptest::collection::vec(one, 1..7).prop_map(|all| {
         let mut points_so_far: Vec<[f64; 3]> = Vec::new();
         let mut made = Vec::new();
@@ -41,7 +46,13 @@ fn point() -> impl Strategy<Value = Point> {
 fn distance_to_segment(a: &Point, b: &Point, p: &Point) -> f64 {
     let (d, w) = (b.raw() - a.raw(), p.raw() - a.raw());
     let t = d.dot(&w) / d.norm_squared();
-    if t <= 0.0 { w.norm() } else if t >= 1.0 { (p.raw() - b.raw()).norm() } else { (w - d * t).norm() }
+    if t <= 0.0 {
+        w.norm()
+    } else if t >= 1.0 {
+        (p.raw() - b.raw()).norm()
+    } else {
+        (w - d * t).norm()
+    }
 }
 
 proptest! {

@@ -6,130 +6,10 @@ mod common;
 use adit_mine::file::Notice;
 use common::checked;
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 /// A small mine with something of everything, and nothing wrong with it.
-const SOUND: &str = r#"format = 1
-name = "Small mine"
-snap_m = 0.1
-
-[grid]
-kind = "control-points"
-points = [
-    { id = "k1", grid_m = [0.0, 0.0, 10.0], latitude_deg = 50.92, longitude_deg = 13.34, height_m = 53.0 },
-    { id = "k2", grid_m = [703.19, 0.05, 11.0], latitude_deg = 50.92, longitude_deg = 13.35, height_m = 54.0 },
-    { id = "k3", grid_m = [0.0, 1112.48, 12.0], latitude_deg = 50.93, longitude_deg = 13.34, height_m = 55.0 },
-]
-
-[[levels]]
-id = "top"
-elevation_m = 0.0
-
-[[levels]]
-id = "deep"
-elevation_m = -40.0
-
-[[roadways]]
-id = "main"
-level = "top"
-kind = "haulage"
-width_m = 5.0
-height_m = 3.5
-max_slope_percent = 1.0
-points_m = [
-    [0.0, 0.0, 0.0],
-    [100.0, 0.0, 0.5],
-    [200.0, 0.0, 1.0],
-]
-
-[[roadways]]
-id = "side"
-level = "top"
-width_m = 4.0
-height_m = 3.0
-points_m = [[100.0, 0.0, 0.5], [100.0, 60.0, 0.5]]
-
-[[roadways]]
-id = "ramp"
-kind = "ramp"
-width_m = 5.0
-height_m = 4.0
-points_m = [[200.0, 0.0, 1.0], [400.0, 0.0, -19.0], [400.0, 200.0, -39.0]]
-
-[[roadways]]
-id = "bottom"
-level = "deep"
-width_m = 5.0
-height_m = 3.5
-points_m = [[400.0, 200.0, -39.0], [300.0, 200.0, -40.0]]
-
-[[chambers]]
-id = "niche"
-floor_m = 0.5
-height_m = 3.0
-outline_m = [[98.0, 55.0], [110.0, 55.0], [110.0, 61.0], [98.0, 61.0]]
-
-[[junctions]]
-id = "fork"
-position_m = [100.0, 0.0, 0.5]
-roadways = ["main", "side"]
-
-[[zones]]
-id = "way-out"
-kind = "portal"
-level = "top"
-outline_m = [[-4.0, -4.0], [8.0, -4.0], [8.0, 4.0], [-4.0, 4.0]]
-
-[[zones]]
-id = "refuge"
-kind = "refuge"
-level = "top"
-capacity = 20
-exit_tolerance_m = 1.0
-outline_m = [[98.0, 55.0], [110.0, 55.0], [110.0, 61.0], [98.0, 61.0]]
-
-[[anchors]]
-id = "a1"
-position_m = [20.0, 2.3, 2.5]
-
-[[anchors]]
-id = "a2"
-position_m = [60.0, -2.3, 2.5]
-
-[[access_points]]
-id = "ap1"
-mac = "02:00:00:00:00:01"
-position_m = [40.0, 2.3, 2.5]
-path_loss = { rssi_at_1m_dbm = -40.0, exponent = 1.8 }
-
-[[access_points]]
-id = "ap2"
-mac = "020000000002"
-position_m = [90.0, 2.3, 2.5]
-
-[[rfid_portals]]
-id = "r1"
-position_m = [5.0, 0.0, 2.5]
-range_m = 6.0
-
-[[pillars]]
-id = "stump"
-level = "top"
-outline_m = [[150.0, -0.5], [151.0, -0.5], [151.0, 0.5], [150.0, 0.5]]
-
-[[doors]]
-id = "air-lock"
-level = "top"
-ends_m = [[98.0, 20.0], [102.0, 20.0]]
-
-[[conveyors]]
-id = "belt"
-points_m = [[10.0, -1.5, 1.0], [190.0, -1.5, 2.0]]
-
-[[vehicle_routes]]
-id = "loop"
-speed_m_s = 4.0
-roadways = ["main", "ramp", "bottom"]
-"#;
+const SOUND: &str = include_str!("common/sound.toml");
 
 /// Puts `to` in the place of `from`, which stands once, and expects `rule` on the line of `marker`.
 struct Mistake {
@@ -344,7 +224,7 @@ const MISTAKES: [Mistake; 68] = [
         "position_m = [100.0, 0.0, 0.5]\nroadways = [\"main\", \"side\"]",
         "position_m = [50.0, 0.0, 0.25]",
         "[[junctions]]\nid = \"fork\"",
-        "1 roadways meet here",
+        "roadways that meet here: 1",
     ),
     // Outlines.
     mistake(
@@ -476,7 +356,7 @@ fn the_sound_mine_is_sound() {
 }
 
 fn shown(notices: &[Notice]) -> String {
-    notices.iter().map(|notice| format!("\n{notice}")).collect()
+    notices.iter().fold(String::new(), |text, notice| text + "\n" + &notice.to_string())
 }
 
 #[test]
@@ -503,11 +383,11 @@ fn every_mistake_is_told_once_with_its_line_and_a_remedy() {
             || !message.contains(says)
             || !message.starts_with(&start)
         {
-            wrong +=
-                &format!("\n--- {expected} on line {line}, saying {says}: {from} -> {to}{}", shown(&notices));
+            let notices = shown(&notices);
+            writeln!(wrong, "--- {expected} on line {line}, saying {says}: {from} -> {to}{notices}").unwrap();
         }
         if message.contains('\n') || !message.contains("; ") {
-            wrong += &format!("\n--- not one line with a remedy: {message}");
+            writeln!(wrong, "--- not one line with a remedy: {message}").unwrap();
         }
     }
     assert!(wrong.is_empty(), "{wrong}");

@@ -25,8 +25,12 @@ fn the_haulage_roadway_is_that_of_s1() {
     let edge = &mine.network().edges()[0];
     // The points are rounded to the centimetre.
     assert!((edge.length_m() - 580.0).abs() < 0.02, "{}", edge.length_m());
-    let along: Vec<f64> =
-        mine.plan().access_points.iter().map(|p| mine.network().nearest(&p.position_m).unwrap().spot.along_m).collect();
+    let along: Vec<f64> = mine
+        .plan()
+        .access_points
+        .iter()
+        .map(|p| mine.network().nearest(&p.position_m).unwrap().spot.along_m)
+        .collect();
     for pair in along.windows(2) {
         assert!((50.0..=80.0).contains(&(pair[1] - pair[0])), "{pair:?}");
     }

@@ -3,7 +3,8 @@
 use super::{Checks, Survey};
 use crate::finding::Place;
 use crate::geometry::plane::{Point, along, cross, dot, length, meeting, minus};
-use crate::network::{NodeId, Travel};
+use crate::geometry::polyline::Polyline;
+use crate::network::{Edge, NodeId, Travel};
 use crate::problem::Problem;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
@@ -46,7 +47,7 @@ impl Checks<'_> {
         self.junctions(survey);
         let mut all = Vec::new();
         for (roadway, line) in survey.built.lines.iter().enumerate() {
-            let segments = line.iter().flat_map(|line| line.segments()).enumerate();
+            let segments = line.iter().flat_map(Polyline::segments).enumerate();
             all.extend(segments.map(|(index, (a, b))| Piece { roadway, index, a, b }));
         }
         let boxes = all.iter().enumerate().map(|(i, p)| {
@@ -192,7 +193,7 @@ impl Checks<'_> {
         let network = &survey.built.network;
         let part_of = network.parts(Travel::Any);
         let count = part_of.iter().max().map_or(0, |last| last + 1);
-        let part_of_edge = |edge: &crate::network::Edge| part_of[edge.from.0 as usize];
+        let part_of_edge = |edge: &Edge| part_of[edge.from.0 as usize];
         let mut lengths = vec![0.0; count];
         for edge in network.edges() {
             lengths[part_of_edge(edge)] += edge.length_m();
@@ -205,7 +206,7 @@ impl Checks<'_> {
             let own = || network.edges().iter().filter(|edge| part_of_edge(edge) == part);
             let Some(first) = own().map(|edge| edge.roadway).min() else { continue };
             let rest = || network.edges().iter().filter(|edge| Some(part_of_edge(edge)) == main);
-            let places = own().flat_map(|edge| edge.points_m());
+            let places = own().flat_map(Edge::points_m);
             let nearest = places
                 .flat_map(|p| rest().map(move |edge| (edge.distance_m(&p), edge.roadway)))
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -100,7 +100,8 @@ impl Checks<'_> {
 
     /// Can it be told what is rock and what is connected?
     fn openings_known(&self) -> bool {
-        !self.unread.openings && !(self.plan.roadways.is_empty() && self.plan.chambers.is_empty())
+        let empty = self.plan.roadways.is_empty() && self.plan.chambers.is_empty();
+        !self.unread.openings && !empty
     }
 
     /// An opening as messages call it.

@@ -57,9 +57,8 @@ impl Checks<'_> {
     /// Warns of the first point that is nearer to another level.
     fn right_level(&mut self, table: Place, roadway: &Roadway, levels: &Levels) {
         let Some(level) = roadway.level.as_deref().and_then(|id| self.level(id)) else { return };
-        let heights = roadway.points_m.iter().map(|p| p.raw().z).enumerate();
-        let off =
-            heights.filter_map(|(i, z)| levels.of(z).filter(|of| *of != level).map(|of| (i, z, of))).next();
+        let mut heights = roadway.points_m.iter().map(|p| p.raw().z).enumerate();
+        let off = heights.find_map(|(i, z)| levels.of(z).filter(|of| *of != level).map(|of| (i, z, of)));
         if let Some((i, z_m, of)) = off {
             let [level, nearest] = [level, of].map(|l| self.plan.levels[l].id.clone());
             self.report(table.at("points_m").nth(i), Problem::OffLevel { z_m, level, nearest });

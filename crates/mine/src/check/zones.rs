@@ -7,7 +7,6 @@ use crate::plan::{Zone, ZoneKind};
 use crate::problem::Problem;
 use crate::zoning::{holds_opening, spots_in};
 use alloc::collections::BTreeSet;
-use alloc::format;
 use alloc::string::String;
 
 impl Checks<'_> {
@@ -64,7 +63,7 @@ impl Checks<'_> {
             }
         }
         for i in unreachable {
-            let from: String = format!("{from}");
+            let from: String = from.into();
             self.report(Place::entry("zones", i), Problem::RefugeUnreachable { from });
         }
     }

@@ -1,4 +1,4 @@
-//! GeoJSON: a feature for each entry of a plan that has a place, the rest in the member `mine`.
+//! `GeoJSON`: a feature for each entry of a plan that has a place, the rest in the member `mine`.
 //!
 //! | `feature` | geometry | key in a plan |
 //! |---|---|---|
@@ -51,13 +51,12 @@ pub fn to_plan(collection: Node, found: &mut Vec<Found>) -> Node {
         match (member.key.as_str(), member.node.value) {
             ("mine", Value::Table(entries)) => plan.extend(entries),
             ("features", Value::List(features)) => {
-                for feature in features {
-                    let feature_at = feature.at;
+                for feature in &features {
                     match to_entry(feature) {
                         Ok((index, entry)) => lists[index].1.push(entry),
                         Err(what) => {
                             found.push(Found::new(
-                                feature_at,
+                                feature.at,
                                 Place::default(),
                                 Problem::BadFeature { what },
                             ));
@@ -79,15 +78,13 @@ pub fn to_plan(collection: Node, found: &mut Vec<Found>) -> Node {
 }
 
 /// The entry that a feature stands for, and the place of its kind.
-fn to_entry(feature: Node) -> Result<(usize, Node), String> {
+fn to_entry(feature: &Node) -> Result<(usize, Node), String> {
     let at = feature.at;
     let name = feature.get("properties").and_then(|p| p.get("feature")).and_then(Node::text);
     let known = || KINDS.map(|kind| kind.feature).join(", ");
     let name = name.ok_or_else(|| format!("property `feature` is missing, expected one of {}", known()))?;
     let index = KINDS.iter().position(|kind| kind.feature == name);
-    let index = index.ok_or_else(|| {
-        format!("unknown \"{}\", expected one of {}", shown(name), known())
-    })?;
+    let index = index.ok_or_else(|| format!("unknown \"{}\", expected one of {}", shown(name), known()))?;
     let kind = &KINDS[index];
 
     let geometry = feature.get("geometry");

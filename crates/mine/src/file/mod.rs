@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | TOML, for people | none of the others | yes | [`to_toml`] |
 //! | JSON, the same keys | `{` first | yes | [`to_json`] |
-//! | GeoJSON, for maps | `"type": "FeatureCollection"` | yes | [`to_geojson`] |
+//! | `GeoJSON`, for maps | `"type": "FeatureCollection"` | yes | [`to_geojson`] |
 //! | CSV of anchors alone | a column `anchor_id` in the first line that is no comment | yes | – |
 //!
 //! All forms become one [tree](tree) of values that know where they stood; its shape is held against the JSON Schema of
@@ -45,7 +45,7 @@ pub enum Form {
     Toml,
     /// JSON with the keys of the TOML form.
     Json,
-    /// GeoJSON, a feature for each entry.
+    /// `GeoJSON`, a feature for each entry.
     GeoJson,
     /// Anchors alone, CSV.
     AnchorsCsv,

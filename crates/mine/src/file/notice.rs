@@ -98,9 +98,7 @@ fn subject(tree: &Node, finding: &Finding) -> Option<String> {
     };
     let entry = tree.get(list)?.entry(*index)?;
     match entry.get("id").map(|id| &id.value) {
-        Some(Value::Text(id)) if !id.is_empty() => {
-            Some(format!("{called} {}", shown(id)))
-        }
+        Some(Value::Text(id)) if !id.is_empty() => Some(format!("{called} {}", shown(id))),
         _ => Some(format!("{called} {}", index + 1)),
     }
 }

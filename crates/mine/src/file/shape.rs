@@ -89,13 +89,12 @@ impl Walk<'_> {
         let Some(chosen) = node.get("kind") else {
             return self.report(node.at, place, Problem::MissingKey { key: "kind".to_owned() });
         };
-        match variants.iter().find(|variant| tag(variant).as_deref() == chosen.text()) {
-            Some(variant) => self.table(node, variant, place, key),
-            None => {
-                let words: Vec<String> = variants.iter().filter_map(tag).collect();
-                let words: Vec<&str> = words.iter().map(String::as_str).collect();
-                self.word(chosen, &words, &place.clone().at("kind"), "kind");
-            }
+        if let Some(variant) = variants.iter().find(|variant| tag(variant).as_deref() == chosen.text()) {
+            self.table(node, variant, place, key);
+        } else {
+            let words: Vec<String> = variants.iter().filter_map(tag).collect();
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            self.word(chosen, &words, &place.clone().at("kind"), "kind");
         }
     }
 

@@ -26,7 +26,7 @@ pub fn read(form: Form, bytes: &[u8], found: &mut Vec<Found>) -> Option<Node> {
     }
 }
 
-/// Is this JSON text a GeoJSON feature collection?
+/// Is this JSON text a `GeoJSON` feature collection?
 pub fn is_feature_collection(bytes: &[u8]) -> bool {
     std::str::from_utf8(bytes)
         .ok()
@@ -100,22 +100,17 @@ fn json(text: &str, found: &mut Vec<Found>) -> Option<Node> {
         allow_non_finite_numbers: false,
         allow_extended_string_escapes: false,
     };
-    match parse_to_ast(text, &CollectOptions::default(), &strict) {
-        Ok(parsed) => match parsed.value {
-            Some(value) => {
-                let tree = json_value(&value, found);
-                found.is_empty().then_some(tree)
-            }
-            None => {
-                found.push(syntax(text.len(), "the file is empty"));
-                None
-            }
-        },
-        Err(error) => {
-            found.push(syntax(error.range().start, error.kind().to_string()));
-            None
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &strict);
+    let problem = match parsed.map(|parsed| parsed.value) {
+        Ok(Some(value)) => {
+            let tree = json_value(&value, found);
+            return found.is_empty().then_some(tree);
         }
-    }
+        Ok(None) => syntax(text.len(), "the file is empty"),
+        Err(error) => syntax(error.range().start, error.kind().to_string()),
+    };
+    found.push(problem);
+    None
 }
 
 fn json_value(value: &ast::Value<'_>, found: &mut Vec<Found>) -> Node {

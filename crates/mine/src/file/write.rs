@@ -123,7 +123,7 @@ pub fn to_json(plan: &MinePlan) -> Result<String, MineError> {
     Ok(format!("{{\n{}\n}}\n", members.join(",\n")))
 }
 
-/// As GeoJSON, a line for each feature; outlines run counter-clockwise, as RFC 7946 wants them.
+/// As `GeoJSON`, a line for each feature; outlines run counter-clockwise, as RFC 7946 wants them.
 pub fn to_geojson(plan: &MinePlan) -> Result<String, MineError> {
     let (mine, features) = from_plan(object(&plan.clone().canonical())?);
     Ok(format!(

@@ -33,10 +33,13 @@ struct Mark {
     place: Vector3<f64>,
 }
 
+/// A straight piece: its roadway and its number on it.
+type Piece = GeomWithData<Rectangle<[f64; 3]>, (usize, usize)>;
+
 /// Straight pieces of all roadways, found by place.
 struct Pieces<'l> {
     lines: &'l [Option<Polyline>],
-    tree: RTree<GeomWithData<Rectangle<[f64; 3]>, (usize, usize)>>,
+    tree: RTree<Piece>,
 }
 
 impl<'l> Pieces<'l> {
@@ -72,7 +75,7 @@ impl<'l> Pieces<'l> {
 }
 
 /// Nodes under construction.
-struct Marks<'l> {
+struct Nodes<'l> {
     lines: &'l [Option<Polyline>],
     snap_m: f64,
     marks: Vec<Mark>,
@@ -81,7 +84,7 @@ struct Marks<'l> {
     starts: Vec<Option<usize>>,
 }
 
-impl<'l> Marks<'l> {
+impl<'l> Nodes<'l> {
     fn new(lines: &'l [Option<Polyline>], snap_m: f64) -> Self {
         let (mut marks, mut starts) = (Vec::new(), Vec::new());
         for (roadway, line) in lines.iter().enumerate() {
@@ -143,8 +146,8 @@ pub fn build(plan: &MinePlan) -> Built {
     let lines: Vec<Option<Polyline>> =
         plan.roadways.iter().map(|r| Polyline::new(r.points_m.iter().map(|p| *p.raw()))).collect();
     let pieces = Pieces::new(&lines);
-    let mut marks = Marks::new(&lines, plan.snap_m);
-    marks.join_ends(&pieces);
+    let mut marking = Nodes::new(&lines, plan.snap_m);
+    marking.join_ends(&pieces);
 
     let mut missed = vec![Vec::new(); plan.junctions.len()];
     let mut junction_marks = vec![None; plan.junctions.len()];
@@ -164,12 +167,12 @@ pub fn build(plan: &MinePlan) -> Built {
                 missed[index].push((roadway, distance_m));
             }
         }
-        let numbers: Vec<usize> = here.into_iter().filter_map(|mark| marks.number(mark)).collect();
+        let numbers: Vec<usize> = here.into_iter().filter_map(|mark| marking.number(mark)).collect();
         junction_marks[index] = numbers.first().copied();
-        marks.same.extend(numbers.windows(2).map(|w| (w[0], w[1])));
+        marking.same.extend(numbers.windows(2).map(|w| (w[0], w[1])));
     }
-    marks.join_neighbours();
-    assemble(plan, &marks, &junction_marks).finish(lines, missed)
+    marking.join_neighbours();
+    assemble(plan, &marking, &junction_marks).finish(lines, missed)
 }
 
 struct Assembled {
@@ -186,18 +189,18 @@ impl Assembled {
 }
 
 /// Gives marks that are one a node, and makes the edges between nodes that follow each other.
-fn assemble(plan: &MinePlan, marks: &Marks<'_>, junction_marks: &[Option<usize>]) -> Assembled {
-    let mut sets = UnionFind::<usize>::new(marks.marks.len());
-    for (a, b) in &marks.same {
+fn assemble(plan: &MinePlan, marking: &Nodes<'_>, junction_marks: &[Option<usize>]) -> Assembled {
+    let mut sets = UnionFind::<usize>::new(marking.marks.len());
+    for (a, b) in &marking.same {
         sets.union(*a, *b);
     }
-    let mut of_root: Vec<Option<NodeId>> = vec![None; marks.marks.len()];
+    let mut of_root: Vec<Option<NodeId>> = vec![None; marking.marks.len()];
     let mut nodes: Vec<Node> = Vec::new();
-    let node_of: Vec<NodeId> = (0..marks.marks.len())
+    let node_of: Vec<NodeId> = (0..marking.marks.len())
         .map(|mark| {
             let root = sets.find_mut(mark);
             *of_root[root].get_or_insert_with(|| {
-                let position_m = Position::from_raw(marks.marks[mark].place);
+                let position_m = Position::from_raw(marking.marks[mark].place);
                 nodes.push(Node { position_m, junction: None });
                 NodeId(u32::try_from(nodes.len() - 1).unwrap_or(u32::MAX))
             })
@@ -212,17 +215,17 @@ fn assemble(plan: &MinePlan, marks: &Marks<'_>, junction_marks: &[Option<usize>]
     }
 
     let mut on_roadway: Vec<Vec<usize>> = vec![Vec::new(); plan.roadways.len()];
-    for (number, mark) in marks.marks.iter().enumerate() {
+    for (number, mark) in marking.marks.iter().enumerate() {
         on_roadway[mark.roadway].push(number);
     }
     let mut edges = Vec::new();
     for (roadway, mut here) in on_roadway.into_iter().enumerate() {
-        let Some(line) = &marks.lines[roadway] else { continue };
-        here.sort_by(|a, b| marks.marks[*a].along_m.total_cmp(&marks.marks[*b].along_m));
+        let Some(line) = &marking.lines[roadway] else { continue };
+        here.sort_by(|a, b| marking.marks[*a].along_m.total_cmp(&marking.marks[*b].along_m));
         for pair in here.windows(2) {
-            let (a, b) = (marks.marks[pair[0]].along_m, marks.marks[pair[1]].along_m);
+            let (a, b) = (marking.marks[pair[0]].along_m, marking.marks[pair[1]].along_m);
             let (from, to) = (node_of[pair[0]], node_of[pair[1]]);
-            if from == to && b - a <= marks.snap_m {
+            if from == to && b - a <= marking.snap_m {
                 continue;
             }
             let place = |node: NodeId| *nodes[node.0 as usize].position_m.raw();
@@ -233,6 +236,6 @@ fn assemble(plan: &MinePlan, marks: &Marks<'_>, junction_marks: &[Option<usize>]
             }
         }
     }
-    let ends = marks.starts.iter().map(|start| start.map(|s| [node_of[s], node_of[s + 1]])).collect();
+    let ends = marking.starts.iter().map(|start| start.map(|s| [node_of[s], node_of[s + 1]])).collect();
     Assembled { network: Network::new(nodes, edges), ends, junctions }
 }

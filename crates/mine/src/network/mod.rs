@@ -74,13 +74,16 @@ pub struct Foot {
     pub above_m: f64,
 }
 
+/// A straight piece of a centre line: its edge and its number on it.
+type Piece = GeomWithData<Line<[f64; 3]>, (EdgeId, usize)>;
+
 /// The graph of a mine's roadways.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
     nodes: Vec<Node>,
     edges: Vec<Edge>,
     graph: UnGraph<Vector3<f64>, Passage>,
-    segments: RTree<GeomWithData<Line<[f64; 3]>, (EdgeId, usize)>>,
+    segments: RTree<Piece>,
 }
 
 /// What the path search knows of an edge.

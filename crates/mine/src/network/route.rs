@@ -43,6 +43,15 @@ struct Door {
     along_m: f64,
 }
 
+/// The best way found so far.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    length_m: f64,
+    target: usize,
+    /// The nodes by which it leaves and arrives; none along one edge.
+    through: Option<(Door, Door)>,
+}
+
 impl Network {
     /// The shortest way; `None` when there is none or an edge is not of this network.
     pub fn route(&self, from: &Spot, to: &Spot, travel: Travel) -> Option<Route> {
@@ -58,10 +67,10 @@ impl Network {
         };
         let starts = self.doors(from)?;
         let ways = starts.map(|start| dijkstra(&self.graph, start.node, None, cost));
-        let mut best: Option<(f64, usize, Option<(Door, Door)>)> = None;
+        let mut best: Option<Candidate> = None;
         let mut offer = |length_m: f64, target: usize, through: Option<(Door, Door)>| {
-            if length_m.is_finite() && best.as_ref().is_none_or(|(known, ..)| length_m < *known) {
-                best = Some((length_m, target, through));
+            if length_m.is_finite() && best.is_none_or(|known| length_m < known.length_m) {
+                best = Some(Candidate { length_m, target, through });
             }
         };
         for (index, target) in targets.iter().enumerate() {
@@ -79,11 +88,11 @@ impl Network {
                 }
             }
         }
-        let (length_m, index, through) = best?;
+        let Candidate { length_m, target: index, through } = best?;
         let target = targets.get(index)?;
         let mut legs = Vec::new();
         let mut go = |edge, from_m: f64, to_m: f64| {
-            if from_m != to_m {
+            if (to_m - from_m).abs() > 0.0 {
                 legs.push(Leg { edge, from_m, to_m });
             }
         };

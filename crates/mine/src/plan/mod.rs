@@ -101,6 +101,7 @@ impl MinePlan {
     }
 
     /// Turns every outline counter-clockwise about its first corner, the one form in which plans are kept.
+    #[must_use]
     pub fn canonical(mut self) -> Self {
         let chambers = self.chambers.iter_mut().map(|c| &mut c.outline_m);
         let zones = self.zones.iter_mut().map(|z| &mut z.outline_m);
