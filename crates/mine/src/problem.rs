@@ -96,6 +96,9 @@ pub enum Problem {
     /// Too few points for a line or an outline.
     #[error("found {found} points, expected {expected} or more")]
     TooFewPoints { found: usize, expected: usize },
+    /// More points than any outline needs.
+    #[error("found {found} points, expected {limit} or less")]
+    TooManyPoints { found: usize, limit: usize },
     /// Two points in one place.
     #[error("points {} and {} are in the same place", index + 1, index + 2)]
     ZeroLengthSegment { index: usize },

@@ -75,6 +75,7 @@ impl Problem {
             }
             Self::NothingSpare { .. } => "add a control point",
             Self::TooFewPoints { .. } => "add points",
+            Self::TooManyPoints { .. } => "leave out points that hardly change it",
             Self::SteeperThanGiven { .. } => "correct a height, or raise `max_slope_percent`",
             Self::TooSteep { .. } => "correct a height, or give `kind = \"shaft\"` or a `max_slope_percent`",
             Self::OffLevel { .. } => {

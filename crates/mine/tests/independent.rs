@@ -125,9 +125,9 @@ fn shortest_ways_are_those_of_networkx() {
     for row in rows(include_str!("reference/routes.csv")) {
         let maze = mazes.entry(row[0].parse().unwrap()).or_default();
         if row[1] == "roadway" {
-            maze.roadways.push(numbers(row[2]))
+            maze.roadways.push(numbers(row[2]));
         } else {
-            maze.ways.push(numbers(row[2]))
+            maze.ways.push(numbers(row[2]));
         }
     }
     let (mut found, mut none) = (0, 0);

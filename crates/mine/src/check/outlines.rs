@@ -5,6 +5,8 @@ use crate::finding::Place;
 use crate::geometry::polygon::{self_crossing, signed_area_m2};
 use crate::problem::Problem;
 
+/// More corners are a drawing, not an outline.
+const MOST_CORNERS: usize = 2000;
 /// Less is no room, m².
 const SMALLEST_M2: f64 = 1e-3;
 
@@ -26,6 +28,9 @@ impl Checks<'_> {
         let place = table.at("outline_m");
         if outline.len() < 3 {
             return self.report(place, Problem::TooFewPoints { found: outline.len(), expected: 3 });
+        }
+        if outline.len() > MOST_CORNERS {
+            return self.report(place, Problem::TooManyPoints { found: outline.len(), limit: MOST_CORNERS });
         }
         if let Some((first, second)) = self_crossing(outline) {
             return self.report(place.nth(first), Problem::SelfCrossing { first, second });

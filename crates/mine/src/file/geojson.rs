@@ -105,7 +105,9 @@ fn to_entry(feature: &Node) -> Result<(usize, Node), String> {
     // Programs with one table for all features write null for what a feature does not have.
     let own = properties.iter().filter(|entry| entry.key != "feature" && entry.node.value != Value::Null);
     for entry in own.cloned().chain([place]) {
-        if entries.iter().any(|known: &Entry| known.key == entry.key) {
+        if ["id", kind.key].contains(&entry.key.as_str())
+            && entries.iter().any(|known: &Entry| known.key == entry.key)
+        {
             return Err(format!("`{}` stands in the properties and in the feature itself", entry.key));
         }
         entries.push(entry);

@@ -35,8 +35,8 @@ use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A mine of a thousand kilometres takes a tenth of it, bytes.
-pub const LARGEST: u64 = 64 << 20;
+/// A mine of a thousand kilometres takes a third of it, bytes.
+pub const LARGEST: u64 = 16 << 20;
 
 /// In what form a file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

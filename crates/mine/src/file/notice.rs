@@ -75,8 +75,10 @@ impl Lines {
 
     /// Bytes become lines, and order that of the file.
     pub fn notices(&self, tree: Option<&Node>, mut found: Vec<Found>) -> Vec<Notice> {
-        found.sort_by_key(|found| found.at);
+        // Of too many, no error is left out for a warning.
+        found.sort_by_key(|found| (found.finding.severity(), found.at));
         found.truncate(MOST);
+        found.sort_by_key(|found| found.at);
         let notice = |found: Found| Notice {
             file: Arc::clone(&self.file),
             line: self.starts.partition_point(|start| *start <= found.at) as u64,

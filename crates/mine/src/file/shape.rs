@@ -14,6 +14,8 @@ const UNITS: [&str; 32] = [
     "percent", "permille", "dbm", "db", "mw", "w", "pa", "hpa", "kpa", "mbar", "m_s", "km_h", "kmh", "mph",
     "ppm",
 ];
+/// After so many problems of shape the file is another kind of file.
+const ENOUGH: usize = 1000;
 /// Names offered when none is near.
 const OFFERED: usize = 12;
 
@@ -130,6 +132,9 @@ impl Walk<'_> {
         let Some(properties) = schema["properties"].as_object() else { return };
         let mut meant: Vec<&str> = Vec::new();
         for entry in entries {
+            if self.found.len() > ENOUGH {
+                return;
+            }
             let place = place.clone().at(entry.key.clone());
             if let Some(schema) = properties.get(&entry.key) {
                 if entry.node.value != Value::Null || !nullable(schema) {

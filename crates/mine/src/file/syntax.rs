@@ -5,6 +5,7 @@ use super::{Form, Found, anchors_csv};
 use crate::finding::Place;
 use crate::problem::Problem;
 use jsonc_parser::{CollectOptions, ParseOptions, ast, parse_to_ast};
+use std::collections::BTreeSet;
 use toml::de::{DeTable, DeValue};
 
 /// Syntax errors told of one file.
@@ -130,9 +131,10 @@ fn json_value(value: &ast::Value<'_>, found: &mut Vec<Found>) -> Node {
         }
         ast::Value::Object(object) => {
             let mut entries: Vec<Entry> = Vec::with_capacity(object.properties.len());
+            let mut known = BTreeSet::new();
             for property in &object.properties {
                 let key = property.name.as_str();
-                if entries.iter().any(|entry| entry.key == key) {
+                if !known.insert(key) {
                     let problem = Problem::RepeatedKey { key: shown(key) };
                     found.push(Found::new(property.range.start, Place::default(), problem));
                     continue;

@@ -225,16 +225,15 @@ impl Network {
         for edge in self.edges.iter().filter(|edge| travel == Travel::Any || edge.walkable) {
             sets.union(edge.from.0 as usize, edge.to.0 as usize);
         }
-        let mut roots: Vec<usize> = Vec::new();
-        (0..self.nodes.len())
-            .map(|node| {
-                let root = sets.find(node);
-                roots.iter().position(|known| *known == root).unwrap_or_else(|| {
-                    roots.push(root);
-                    roots.len() - 1
-                })
+        let mut part_of_root: Vec<Option<usize>> = alloc::vec![None; self.nodes.len()];
+        let mut count = 0;
+        let number = |node: usize| {
+            *part_of_root[sets.find(node)].get_or_insert_with(|| {
+                count += 1;
+                count - 1
             })
-            .collect()
+        };
+        (0..self.nodes.len()).map(number).collect()
     }
 }
 
