@@ -1,6 +1,6 @@
 //! The mine: grid, levels, roadways and their graph, zones, anchors; checked once, asked often.
 //!
-//! A file ([`file`], with the feature `std`) or a program makes a [`plan::MinePlan`], plain records with units in their names.
+//! A file ([`mod@file`], with the feature `std`) or a program makes a [`plan::MinePlan`], plain records with units in their names.
 //! [`Mine::new`] checks it ([`check()`]) and makes what users ask:
 //!
 //! | question | answer |
@@ -13,7 +13,7 @@
 //! | where on Earth is this? | [`grid_tie::GridTie`] |
 //!
 //! Coordinates are those of the mine's grid ([`adit_core::frames::MineGrid`]), m, z up; centre lines and chambers are given at the
-//! **floor**. All but [`file`] is `no_std` with `alloc`.
+//! **floor**. All but [`mod@file`] is `no_std` with `alloc`.
 //!
 //! ```
 //! use adit_core::frames::Position;

@@ -7,8 +7,8 @@
 //! | `GeoJSON`, for maps | `"type": "FeatureCollection"` | yes | [`to_geojson`] |
 //! | CSV of anchors alone | a column `anchor_id` in the first line that is no comment | yes | – |
 //!
-//! All forms become one [tree](tree) of values that know where they stood; its shape is held against the JSON Schema of
-//! [`MinePlan`] ([`shape`]), the rest is [`check`](crate::check()). What is wrong in one entry hides nothing in
+//! All forms become one tree of values that know where they stood; its shape is held against the JSON Schema of
+//! [`MinePlan`](crate::plan::MinePlan), which is [`schema`]; the rest is [`check`](crate::check()). What is wrong in one entry hides nothing in
 //! another: everything is told at once, in order of line.
 
 mod anchors_csv;
