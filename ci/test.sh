@@ -102,7 +102,7 @@ else
 fi
 libtest doc-tests cargo test --locked --workspace --doc --no-fail-fast
 check docs env RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --quiet
-check no-std proofs/no-std/check.sh estimation
+check no-std proofs/no-std/check.sh "estimation mine"
 
 printf '\n'
 cat "$logs/parts"

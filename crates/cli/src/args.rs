@@ -1,6 +1,7 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
 mod calibrate;
+pub mod mine;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 
@@ -119,6 +120,8 @@ pub enum Verb {
     Eval(EvalArgs),
     /// Learn the errors of a sensor from its own recording
     Calibrate(CalibrateArgs),
+    /// Check a mine file, or write it in another form
+    Mine(mine::MineArgs),
 }
 
 /// `adit demo`.

@@ -28,6 +28,8 @@ pub fn first_failed() -> u8 {
         a_sample_at_rest_is_an_observation,
         #[cfg(feature = "estimation")]
         a_foot_at_rest_stays_where_it_is,
+        #[cfg(feature = "mine")]
+        a_mine_knows_its_ways_and_its_rock,
     ];
     let failed = checks.iter().position(|check| core::hint::black_box(check)() != Some(true));
     failed.map_or(0, |index| u8::try_from(index + 1).unwrap_or(98))
@@ -124,4 +126,31 @@ fn a_foot_at_rest_stays_where_it_is() -> Option<bool> {
     let last = last?;
     // A millimetre: the tilt is found within the first samples, and the velocity held at zero from then on.
     Some(last.time.seconds() == 3.0 && last.position_m.norm() < 1e-3 && last.radius_95_m() < 1.0)
+}
+
+#[cfg(feature = "mine")]
+fn a_mine_knows_its_ways_and_its_rock() -> Option<bool> {
+    use adit_mine::Mine;
+    use adit_mine::network::Travel;
+    use adit_mine::plan::{Grid, MinePlan, Roadway, RoadwayKind};
+    let roadway = |id: &str, points: &[[f64; 2]]| Roadway {
+        id: id.into(),
+        name: None,
+        level: None,
+        kind: RoadwayKind::Drift,
+        width_m: 4.0,
+        height_m: 3.0,
+        max_slope_percent: None,
+        walkable: true,
+        points_m: points.iter().map(|p| Position::new(p[0], p[1], 0.0)).collect(),
+    };
+    let mut plan = MinePlan::new("proof", Grid::Local {});
+    plan.roadways.push(roadway("main", &[[0.0, 0.0], [100.0, 0.0]]));
+    plan.roadways.push(roadway("side", &[[60.0, 0.0], [60.0, 80.0]]));
+    let mine = Mine::new(plan).ok()?;
+    let (start, end) = (Position::new(10.0, 1.0, 1.0), Position::new(61.0, 70.0, 1.0));
+    let network = mine.network();
+    let (from, to) = (network.nearest(&start)?.spot, network.nearest(&end)?.spot);
+    let length_m = network.route(&from, &to, Travel::OnFoot)?.length_m;
+    Some((length_m - 120.0).abs() < 1e-12 && !mine.sight(&start, &end).is_clear())
 }

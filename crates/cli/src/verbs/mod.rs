@@ -3,6 +3,7 @@
 mod calibrate;
 mod demo;
 mod eval;
+mod mine;
 mod simulate;
 mod track;
 
@@ -17,5 +18,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Track(args) => track::run(args),
         Verb::Eval(args) => eval::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Mine(args) => mine::run(args),
     }
 }
