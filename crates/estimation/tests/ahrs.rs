@@ -1,5 +1,10 @@
 //! `ahrs` on a tag turned in closed form: what it finds, what it withstands, how sure it says it is.
 #![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "times of some minutes become indices"
+)]
 
 mod support;
 

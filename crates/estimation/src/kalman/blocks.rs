@@ -142,6 +142,10 @@ impl<const B: usize> BlockCovariance<B> {
     ///
     /// Returns `None` when the innovation covariance cannot be inverted.
     #[inline]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "row and column index gain, covariance and its mirror at once"
+    )]
     pub fn update<const N: usize>(
         &mut self,
         mut linearised: Linearised<N>,
@@ -208,6 +212,7 @@ impl<const B: usize> Default for BlockAdjoint<B> {
 
 impl<const B: usize> BlockAdjoint<B> {
     /// Back through an update: `λ ← (I − KH)ᵀλ − HᵀS⁻¹v`, `Λ ← (I − KH)ᵀΛ(I − KH) + HᵀS⁻¹H`.
+    #[expect(clippy::needless_range_loop, reason = "row and column index the matrix and its mirror at once")]
     pub fn through_update<const N: usize>(&mut self, update: &BlockUpdate<B, N>) {
         let pulled = update
             .gain
