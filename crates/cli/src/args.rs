@@ -145,7 +145,7 @@ pub struct SimulateArgs {
     #[arg(value_name = "SCENARIO.toml", value_hint = ValueHint::FilePath)]
     pub scenario: PathBuf,
 
-    /// Folder for log.mcap and truth.tum; made when it is not there
+    /// Folder for log.mcap, truth.tum and, with a magnetometer, the sidecar log.toml; made when it is not there
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
 

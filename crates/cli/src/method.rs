@@ -1,7 +1,7 @@
 //! The methods by name: the one place where the command line meets the estimation crate.
 //!
 //! A new method is a name here and an arm of [`with_settings!`]; everything else is the business of its
-//! [`MethodSettings`](adit_estimation::methods::MethodSettings).
+//! [`MethodSettings`].
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;

@@ -20,6 +20,8 @@ fn a_log_with_a_magnetometer_reads_back_in_order_of_time() {
     assert!(stdout.contains("6400 samples over 64.0 s"), "{stdout}");
     assert!(stdout.contains("with 6400 magnetic samples of an undisturbed field"), "{stdout}");
     let log = open(folder.path().join("raw/log.mcap")).unwrap();
+    let declination = log.sidecar().unwrap().frame.magnetic_declination_deg;
+    assert_eq!(declination, Some(-10.61));
     let observations: Vec<Observation> = log.map(Result::unwrap).collect();
     let stamps: Vec<Time> = observations.iter().map(Observation::time).collect();
     assert!(stamps.is_sorted());

@@ -122,6 +122,8 @@ pub struct Run {
     pub duration_s: f64,
     /// Samples with their truth, in order of time.
     pub emissions: Box<dyn Iterator<Item = Emission>>,
+    /// Declination of the site, where there is a magnetometer, rad.
+    pub declination_rad: Option<f64>,
 }
 
 impl Scenario {
@@ -171,12 +173,13 @@ impl Scenario {
         let span = sensors.get(sensor.get_ref()).map_or_else(|| sensor.span(), Spanned::span);
         let refused = |error| self.source.refused(&span, &error);
         let duration_s = motion.duration_s();
+        let declination_rad = magnetometer.as_ref().map(|(world, _)| world.earth.declination_rad);
         let imu = Generator::new(motion, self.imu()?, self.rate_hz()?, &errors, seed).map_err(refused)?;
         let emissions: Box<dyn Iterator<Item = Emission>> = match magnetometer {
             Some((world, model)) => Box::new(imu.with_magnetometer(world, &model, seed).map_err(refused)?),
             None => Box::new(imu.map(|(sample, truth)| Emission::Imu(sample, truth))),
         };
-        Ok(Run { duration_s, emissions })
+        Ok(Run { duration_s, emissions, declination_rad })
     }
 
     fn magnetometer(

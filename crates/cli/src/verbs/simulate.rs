@@ -75,9 +75,10 @@ impl Disturbance {
     }
 }
 
-/// Writes `log.mcap` and `truth.tum` of a scenario into a folder, sample by sample.
+/// Writes `log.mcap` and `truth.tum` of a scenario into a folder, sample by sample; with a magnetometer also `log.toml`, the
+/// sidecar that gives the declination, so that headings come out from true north as in the truth.
 pub fn simulate(scenario: &Scenario, seed: u64, folder: &Path) -> Result<Simulated> {
-    let Run { duration_s, emissions } = scenario.generate(seed)?;
+    let Run { duration_s, emissions, declination_rad } = scenario.generate(seed)?;
     make_folder(folder)?;
     let (log_path, truth_path) = (folder.join("log.mcap"), folder.join("truth.tum"));
     let mut log = McapLogWriter::create(&log_path, Packing::Lz4)?;
@@ -104,5 +105,12 @@ pub fn simulate(scenario: &Scenario, seed: u64, folder: &Path) -> Result<Simulat
     }
     log.finish()?;
     truth.finish()?;
+    if let Some(declination_rad) = declination_rad {
+        let text = format!(
+            "# What is known of the simulated site; `adit track` reads it with the log.\n[frame]\nmagnetic_declination_deg = {:.3}\n",
+            declination_rad.to_degrees()
+        );
+        output::write_file(&folder.join("log.toml"), &text)?;
+    }
     Ok(Simulated { log: log_path, truth: truth_path, samples, magnetic, worst, duration_s })
 }
