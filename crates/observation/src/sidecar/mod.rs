@@ -44,7 +44,8 @@ pub use magnetometer::{MagneticFieldReference, MagnetometerCalibration};
 pub use rotation::MountingRotation;
 
 use crate::error::{At, LogError, Place};
-use crate::imu::{ImuSpecification, Observation};
+use crate::imu::ImuSpecification;
+use crate::observation::Observation;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use std::io::Read;
@@ -197,6 +198,8 @@ impl Sidecar {
                 sample.field_ut = turn(field_ut);
                 Observation::Magnetic(sample)
             }
+            // No reading of the tag: its mounting does not matter.
+            Observation::Fix(fix) => Observation::Fix(fix),
         }
     }
 }
