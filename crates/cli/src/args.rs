@@ -2,8 +2,10 @@
 
 mod calibrate;
 pub mod mine;
+mod compare;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
+pub use compare::CompareArgs;
 
 use crate::method::MethodName;
 use crate::output::Target;
@@ -122,6 +124,8 @@ pub enum Verb {
     Calibrate(CalibrateArgs),
     /// Check a mine file, or write it in another form
     Mine(mine::MineArgs),
+    /// Compare methods over many seeds of a scenario, or on recorded runs
+    Compare(CompareArgs),
 }
 
 /// `adit demo`.
