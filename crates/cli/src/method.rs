@@ -81,7 +81,9 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (_, None | Some(Location::Foot)) | (Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
+            (_, None | Some(Location::Foot)) | (Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => {
+                None
+            }
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))

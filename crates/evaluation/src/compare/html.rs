@@ -119,11 +119,20 @@ fn consistency_table(page: &mut String, comparison: &Comparison) {
         let parts = &method.consistency;
         let nis = method.nis.map_or_else(
             || "–".to_owned(),
-            |nis| format!("{:.2} [{:.2}–{:.2}] ({})", nis.mean, nis.bounds.lower, nis.bounds.upper, nis.dimension),
+            |nis| {
+                format!(
+                    "{:.2} [{:.2}–{:.2}] ({})",
+                    nis.mean, nis.bounds.lower, nis.bounds.upper, nis.dimension
+                )
+            },
         );
         let cells = [&parts.position, &parts.velocity, &parts.heading, &parts.joint].map(nees_cell);
-        let _ =
-            writeln!(page, "<tr><td>{}</td><td>{}</td><td>{nis}</td></tr>", escape(name), cells.join("</td><td>"));
+        let _ = writeln!(
+            page,
+            "<tr><td>{}</td><td>{}</td><td>{nis}</td></tr>",
+            escape(name),
+            cells.join("</td><td>")
+        );
     }
     *page += "</table>\n<p class=\"note\">NEES: mean over runs and time [95 % bounds of the mean over the runs at one moment], \
         share of moments inside. Ideal are the dimension in brackets and 95 %.</p>\n";

@@ -77,7 +77,11 @@ pub fn run_errors(
         errors.push(since_s, solution, &pose, velocity_at(truth, solution.time), &motion, options);
     }
     if errors.time_s.is_empty() {
-        return Err(EvaluationError::TooFewPoses { what: "the judged part of the run", found: 0, expected: 1 });
+        return Err(EvaluationError::TooFewPoses {
+            what: "the judged part of the run",
+            found: 0,
+            expected: 1,
+        });
     }
     Ok(errors)
 }
@@ -181,4 +185,3 @@ fn normalised<const N: usize>(error: &SVector<f64, N>, covariance: &SMatrix<f64,
 fn single(value: f64) -> f32 {
     value as f32
 }
-

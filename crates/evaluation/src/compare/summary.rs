@@ -1,7 +1,7 @@
 //! Many runs in a few numbers.
 
-use super::run::{DIMENSIONS, PARTS, RunErrors};
 use super::PROBABILITY;
+use super::run::{DIMENSIONS, PARTS, RunErrors};
 use crate::EvaluationError;
 use crate::consistency::{Bounds, average_nees_bounds};
 use crate::statistics::{Distribution, Statistics};
@@ -172,11 +172,14 @@ pub struct Comparison {
 }
 
 /// Sums up the runs of one method, one at least.
-pub fn summarise(method: &str, runs: &[RunOutcome], in_figures: bool) -> Result<MethodSummary, EvaluationError> {
+pub fn summarise(
+    method: &str,
+    runs: &[RunOutcome],
+    in_figures: bool,
+) -> Result<MethodSummary, EvaluationError> {
     let errors: Vec<&RunErrors> = runs.iter().map(|run| &run.errors).collect();
-    let pool = |of: &dyn Fn(&RunErrors) -> Vec<f64>| -> Vec<f64> {
-        errors.iter().flat_map(|run| of(run)).collect()
-    };
+    let pool =
+        |of: &dyn Fn(&RunErrors) -> Vec<f64>| -> Vec<f64> { errors.iter().flat_map(|run| of(run)).collect() };
     let horizontal = |run: &RunErrors| run.horizontal_m().collect::<Vec<f64>>();
     let east = |run: &RunErrors| absolute(run.level_m.iter().map(|[east, _]| *east));
     let heading = |run: &RunErrors| absolute(run.heading_deg.iter().copied());
@@ -297,11 +300,7 @@ impl fmt::Display for Comparison {
         let width = self.methods.keys().map(|name| name.chars().count()).max().unwrap_or(0).max(6);
         writeln!(f)?;
         writeln!(f, "{:width$}  all moments            largest error of a run, 95 % of the runs", "")?;
-        writeln!(
-            f,
-            "{:width$}  position  95 %  below 2 m   east    position  heading   velocity",
-            "method"
-        )?;
+        writeln!(f, "{:width$}  position  95 %  below 2 m   east    position  heading   velocity", "method")?;
         for (name, method) in &self.methods {
             let all = method.position_m;
             let over = &method.over_seeds;
@@ -324,7 +323,12 @@ impl fmt::Display for Comparison {
         for (name, method) in &self.methods {
             let nis = method.nis.map_or_else(
                 || "–".to_owned(),
-                |nis| format!("{:.2} [{:.2}–{:.2}], {}", nis.mean, nis.bounds.lower, nis.bounds.upper, nis.dimension),
+                |nis| {
+                    format!(
+                        "{:.2} [{:.2}–{:.2}], {}",
+                        nis.mean, nis.bounds.lower, nis.bounds.upper, nis.dimension
+                    )
+                },
             );
             let (position, joint) = (&method.consistency.position, &method.consistency.joint);
             writeln!(f, "{name:width$}  {:30}{:30}{nis}", nees_cell(position), nees_cell(joint))?;
@@ -353,7 +357,10 @@ fn nees_cell(nees: &Option<Nees>) -> String {
         || "–".to_owned(),
         |nees| {
             let inside = 100.0 * nees.share_inside;
-            format!("{:.2} [{:.2}–{:.2}], {inside:.0} % inside", nees.mean, nees.bounds.lower, nees.bounds.upper)
+            format!(
+                "{:.2} [{:.2}–{:.2}], {inside:.0} % inside",
+                nees.mean, nees.bounds.lower, nees.bounds.upper
+            )
         },
     )
 }

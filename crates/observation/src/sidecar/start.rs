@@ -20,5 +20,7 @@ pub(super) fn pose<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<
     if pose.is_usable() {
         return Ok(Some(pose));
     }
-    Err(D::Error::custom("found a value that is no place, angle or spread, expected finite ones and no spread below zero"))
+    Err(D::Error::custom(
+        "found a value that is no place, angle or spread, expected finite ones and no spread below zero",
+    ))
 }

@@ -46,10 +46,8 @@ struct Driven {
 }
 
 fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Driven> {
-    let settings: S = config::overlay_table(
-        &method::knowing::<S>(trial.sidecar.as_ref()),
-        contender.config.clone(),
-    )?;
+    let settings: S =
+        config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
     let samples = trial.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
     let mut solutions = Vec::with_capacity(samples);
     let mut method = settings.start()?;

@@ -13,14 +13,17 @@
 //! scale factor; rad, m/s, rad and m, rad/s, m/s², 1. The vertical channel of an INS runs away by itself: the height is held
 //! by what is known of the level ([`InsWifiParams::level_sigma_m`]).
 //!
-//! Limits: no coning and no sculling inside an interval, as in the reduced one: for walks, not for a foot. Of gravity's
-//! gradient only the vertical part is in the linearisation (the other is 8e-9 m/s² per metre).
+//! Limits: no coning and no sculling inside an interval, as in the reduced one: for walks, not for a foot.
 
 use super::earth::Curvature;
-use super::{InsWifiParams, Mechanisation, NavigationStart, StateMap, variance};
+use super::{InsWifiParams, Mechanisation, NavigationStart, StateMap, metres_per_rad, variance};
+use crate::kalman::dense::propagate;
 use adit_core::attitude::{self, Attitude};
-use adit_core::geodesy::{Geodetic, SEMI_MAJOR_AXIS_M, gravity_at_height_m_s2};
-use adit_core::nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use adit_core::geodesy::{
+    EARTH_RATE_RAD_S, FLATTENING, GM_M3_S2, GRAVITY_EQUATOR_M_S2, GRAVITY_POLE_M_S2, Geodetic,
+    SEMI_MAJOR_AXIS_M, SEMI_MINOR_AXIS_M, gravity_at_height_m_s2,
+};
+use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector3};
 use adit_observation::ImuSample;
 use serde::{Deserialize, Serialize};
 
@@ -58,13 +61,26 @@ pub struct FullStep {
     interval_s: f64,
     earth: Curvature,
     height_m: f64,
-    gravity_gradient: f64,
+    /// By latitude, m/s² per rad, and by height, m/s² per m.
+    gravity_slope: [f64; 2],
     rotation_mid: Matrix3<f64>,
     rate_in: Vector3<f64>,
     gain: Vector3<f64>,
     rate: Vector3<f64>,
     force: Vector3<f64>,
     velocity: [Vector3<f64>; 3],
+}
+
+/// Derivatives of [`gravity_at_height_m_s2`] by latitude (to 1 % of it) and by height (to 1e-6 of it).
+#[inline]
+fn gravity_slope(earth: &Curvature, gravity: f64, height_m: f64) -> [f64; 2] {
+    const M: f64 =
+        EARTH_RATE_RAD_S * EARTH_RATE_RAD_S * SEMI_MAJOR_AXIS_M * SEMI_MAJOR_AXIS_M * SEMI_MINOR_AXIS_M
+            / GM_M3_S2;
+    let by_latitude = 2.0 * earth.sin * earth.cos * (GRAVITY_POLE_M_S2 - GRAVITY_EQUATOR_M_S2);
+    let gradient = 2.0 * (1.0 + FLATTENING + M - 2.0 * FLATTENING * earth.sin * earth.sin);
+    let by_height = (-gradient + 2.0 * height_m / SEMI_MAJOR_AXIS_M) * gravity / SEMI_MAJOR_AXIS_M;
+    [by_latitude, by_height]
 }
 
 /// `(2 ω_ie + ω_en) × v`.
@@ -147,7 +163,7 @@ impl Mechanisation<STATES> for Full {
             interval_s,
             earth,
             height_m,
-            gravity_gradient: -2.0 * gravity / SEMI_MAJOR_AXIS_M,
+            gravity_slope: gravity_slope(&earth, gravity, height_m),
             rotation_mid,
             rate_in,
             gain,
@@ -173,10 +189,12 @@ impl Mechanisation<STATES> for Full {
         let turned = (rotation_mid * rate_error - rate_in_error) * *dt;
         let level_turned = step.rate_in.cross(&phi) * *dt;
 
-        let tilted = phi + 0.5 * (turned - level_turned);
+        // Half way, what the gyros have done wrong lies in the axes of a quarter of the turn.
+        let lag = step.rate.cross(&rate_error) * (0.25 * dt);
+        let tilted = phi + 0.5 * (turned - level_turned - rotation_mid * lag * *dt);
         let force_error = tilted.cross(force)
             - rotation_mid * sensed
-            - Vector3::new(0.0, 0.0, step.gravity_gradient * height);
+            - Vector3::z() * (step.gravity_slope[0] * latitude + step.gravity_slope[1] * height);
         let change = |v: &Vector3<f64>, dv: &Vector3<f64>| {
             force_error - coriolis_error(earth, v, *height_m, dv, place)
         };
@@ -226,6 +244,48 @@ impl Mechanisation<STATES> for Full {
                 covariance[(index, index)] += variance;
             }
         }
+    }
+
+    /// Gravity turned by a heading error φu and tilts φe, φn together: an acceleration of `½ g φu (φe, φn)`, and so a shift of
+    /// `½ φu ẑ × r`, with `r` what the tilts do to the position (as far as the covariance says so). With 0.6° each that is 0.1 m
+    /// in the first 20 s, as much as a fix is worth (a second-order filter's term: Jazwinski 1970, §9.3).
+    fn second_order(&self, covariance: &SMatrix<f64, STATES, STATES>) -> Matrix2<f64> {
+        let tilts: Matrix2<f64> = covariance.fixed_view::<2, 2>(PHI, PHI).into_owned();
+        let with_position = covariance.fixed_view::<2, 2>(LATITUDE, PHI);
+        let Some(inverse) = tilts.try_inverse() else { return Matrix2::zeros() };
+        let by_tilt = with_position * inverse * with_position.transpose();
+        let [latitude_m, longitude_m] = metres_per_rad(&self.position);
+        // A quarter turn: what lies north moves east.
+        let turn = Matrix2::new(0.0, longitude_m / latitude_m, -latitude_m / longitude_m, 0.0);
+        turn * by_tilt * turn.transpose() * (0.25 * covariance[(PHI + 2, PHI + 2)])
+    }
+
+    /// A tilt corrected by `Δ` has moved velocity and position by `B Δ`, in the direction of a wrong gravity; with it goes what
+    /// a heading error was held to do to them: `δv ← δv + φ × B_v Δ`, `δr ← δr + φ × B_r Δ`. Without this the filter believes
+    /// to have seen the heading in the turn of a gravity that was never level (Barrau & Bonnabel 2017: the error carried over
+    /// is the invariant one).
+    fn reset(
+        &self,
+        before: &SMatrix<f64, STATES, STATES>,
+        correction: &SVector<f64, STATES>,
+        covariance: &mut SMatrix<f64, STATES, STATES>,
+    ) {
+        let tilts: Matrix2<f64> = before.fixed_view::<2, 2>(PHI, PHI).into_owned();
+        let Some(inverse) = tilts.try_inverse() else { return };
+        let tilt = inverse * correction.fixed_rows::<2>(PHI);
+        let velocity = before.fixed_view::<2, 2>(VELOCITY, PHI) * tilt;
+        let shift = before.fixed_view::<2, 2>(LATITUDE, PHI) * tilt;
+        let [latitude_m, longitude_m] = metres_per_rad(&self.position);
+        let (north, east) = (shift[0] * latitude_m, shift[1] * longitude_m);
+        propagate(covariance, |x| {
+            let heading = x[PHI + 2];
+            let mut after = *x;
+            after[VELOCITY] -= heading * velocity.y;
+            after[VELOCITY + 1] += heading * velocity.x;
+            after[LONGITUDE] -= heading * north / longitude_m;
+            after[LATITUDE] += heading * east / latitude_m;
+            after
+        });
     }
 
     fn feed_back(&mut self, x: &SVector<f64, STATES>) {

@@ -67,6 +67,20 @@ pub trait Mechanisation<const N: usize>: Clone + Debug + Serialize + Deserialize
     fn carry(step: &Self::Step, error: &SVector<f64, N>) -> SVector<f64, N>;
     /// Adds the noise of the step.
     fn add_noise(step: &Self::Step, params: &InsWifiParams, covariance: &mut SMatrix<f64, N, N>);
+    /// Variance that terms of second order give to latitude and longitude, rad²: none where they are small.
+    fn second_order(&self, covariance: &SMatrix<f64, N, N>) -> Matrix2<f64> {
+        let _ = covariance;
+        Matrix2::zeros()
+    }
+    /// What a large correction changes in the meaning of the error states; `before` is the covariance before the update.
+    fn reset(
+        &self,
+        before: &SMatrix<f64, N, N>,
+        correction: &SVector<f64, N>,
+        covariance: &mut SMatrix<f64, N, N>,
+    ) {
+        let _ = (before, correction, covariance);
+    }
     /// Takes an estimated error into the state.
     fn feed_back(&mut self, error: &SVector<f64, N>);
     /// Position.
@@ -262,11 +276,14 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
         let residual =
             Vector2::new(point.latitude_rad - here.latitude_rad, point.longitude_rad - here.longitude_rad);
         let bound = self.params.fix_nis_bound;
+        let noise = noise + self.mechanisation.second_order(&self.covariance);
         let measured = [M::LATITUDE, M::LONGITUDE];
+        let before = self.covariance;
         let Some(update) = update_selected(&mut self.covariance, measured, &residual, &noise, bound) else {
             return;
         };
         self.report.note(update.nis, bound);
+        self.mechanisation.reset(&before, &update.correction, &mut self.covariance);
         self.mechanisation.feed_back(&update.correction);
         if let Some(index) = M::HEIGHT {
             let HeightFix { up_m, sigma_m } =
