@@ -49,7 +49,8 @@ pub struct ToldStart {
     pub attitude: Attitude,
 }
 
-/// Iterator of samples and fixes with their truth; bounded memory. At equal times the sample comes first.
+/// Iterator of samples and fixes with their truth, in order of their stamps; bounded memory. At equal stamps the sample comes
+/// first.
 #[derive(Debug, Clone)]
 pub struct RoadwayGenerator {
     walk: RoadwayWalk,
@@ -61,6 +62,8 @@ pub struct RoadwayGenerator {
     count: u64,
     fix_count: u64,
     before: Time,
+    /// Drawn, not yet given: its stamp may be late.
+    next_sample: Option<Emission>,
 }
 
 impl RoadwayGenerator {
@@ -96,6 +99,7 @@ impl RoadwayGenerator {
             count: 0,
             fix_count: 0,
             before: Time::ZERO,
+            next_sample: None,
         })
     }
 
@@ -157,17 +161,17 @@ impl Iterator for RoadwayGenerator {
     type Item = Emission;
 
     fn next(&mut self) -> Option<Emission> {
-        let sample = Time::from_seconds((self.count + 1) as f64 / self.rate_hz)?;
-        let fix = Time::from_seconds((self.fix_count + 1) as f64 * self.fixes.every_s)?;
         let end_s = self.walk.duration_s();
-        if sample <= fix && sample.seconds() <= end_s {
-            Some(self.sample(sample))
-        } else if fix.seconds() <= end_s {
-            Some(self.fix(fix))
-        } else if sample.seconds() <= end_s {
-            Some(self.sample(sample))
-        } else {
-            None
+        if self.next_sample.is_none() {
+            let time = Time::from_seconds((self.count + 1) as f64 / self.rate_hz)?;
+            self.next_sample = (time.seconds() <= end_s).then(|| self.sample(time));
+        }
+        let fix = Time::from_seconds((self.fix_count + 1) as f64 * self.fixes.every_s)?;
+        let fix = Some(fix).filter(|fix| fix.seconds() <= end_s);
+        match (&self.next_sample, fix) {
+            (Some(sample), Some(fix)) if fix < sample.observation().time() => Some(self.fix(fix)),
+            (None, Some(fix)) => Some(self.fix(fix)),
+            _ => self.next_sample.take(),
         }
     }
 }
