@@ -1,8 +1,8 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
 mod calibrate;
-pub mod mine;
 mod compare;
+pub mod mine;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;

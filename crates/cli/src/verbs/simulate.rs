@@ -57,7 +57,7 @@ impl Simulated {
             0 => String::new(),
             count => format!("  with {count} position fixes\n"),
         };
-        let told = |path: &PathBuf| format!("{}: site, start and noise, as told\n", path.display());
+        let told = |path: &PathBuf| format!("{}: what is known beside the log\n", path.display());
         fixes + &self.sidecar.as_ref().map_or_else(String::new, told)
     }
 

@@ -17,8 +17,8 @@ svg{max-width:100%;height:auto}p.note{color:#5b636b;max-width:45rem}";
 pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, EvaluationError> {
     let mut page = String::new();
     let title = escape(&comparison.scenario);
-    let shown: Vec<(&String, &MethodSummary)> =
-        comparison.methods.iter().filter(|(_, method)| method.in_figures).collect();
+    let methods = comparison.methods.iter().map(|(name, method)| (name, method));
+    let shown: Vec<(&String, &MethodSummary)> = methods.filter(|(_, method)| method.in_figures).collect();
     // Writing to a String does not fail.
     let _ = write!(
         page,

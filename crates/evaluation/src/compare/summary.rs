@@ -5,8 +5,7 @@ use super::run::{DIMENSIONS, PARTS, RunErrors};
 use crate::EvaluationError;
 use crate::consistency::{Bounds, average_nees_bounds};
 use crate::statistics::{Distribution, Statistics};
-use serde::Serialize;
-use std::collections::BTreeMap;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// Radius of `share_below_2m`.
@@ -167,8 +166,9 @@ pub struct Comparison {
     pub alignment: String,
     /// Judged from this time on, s.
     pub judged_from_s: f64,
-    /// By name.
-    pub methods: BTreeMap<String, MethodSummary>,
+    /// By name, in the order in which they were named; a map in JSON.
+    #[serde(serialize_with = "as_map")]
+    pub methods: Vec<(String, MethodSummary)>,
 }
 
 /// Sums up the runs of one method, one at least.
@@ -235,6 +235,10 @@ impl Quantiles {
     }
 }
 
+fn as_map<S: Serializer>(methods: &[(String, MethodSummary)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(methods.iter().map(|(name, method)| (name, method)))
+}
+
 fn absolute(values: impl Iterator<Item = f32>) -> Vec<f64> {
     values.map(|value| f64::from(value.abs())).collect()
 }
@@ -297,7 +301,7 @@ impl fmt::Display for Comparison {
         let seeds = self.first_seed.map_or_else(String::new, |first| format!(", seeds from {first}"));
         writeln!(f, "{}: {runs}{seeds}", self.scenario)?;
         writeln!(f, "aligned {}, judged from {} s on", self.alignment, self.judged_from_s)?;
-        let width = self.methods.keys().map(|name| name.chars().count()).max().unwrap_or(0).max(6);
+        let width = self.methods.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(6);
         writeln!(f)?;
         writeln!(f, "{:width$}  all moments            largest error of a run, 95 % of the runs", "")?;
         writeln!(f, "{:width$}  position  95 %  below 2 m   east    position  heading   velocity", "method")?;
@@ -319,7 +323,7 @@ impl fmt::Display for Comparison {
         }
         writeln!(f)?;
         writeln!(f, "{:width$}  NEES (mean over runs and time; in brackets 95 % bounds at one moment)", "")?;
-        writeln!(f, "{:width$}  {:30}{:30}NIS", "method", "position, 2", "position, velocity, heading, 5")?;
+        writeln!(f, "{:width$}  {:33}{:33}NIS", "method", "position, 2", "position, velocity, heading, 5")?;
         for (name, method) in &self.methods {
             let nis = method.nis.map_or_else(
                 || "–".to_owned(),
@@ -331,7 +335,7 @@ impl fmt::Display for Comparison {
                 },
             );
             let (position, joint) = (&method.consistency.position, &method.consistency.joint);
-            writeln!(f, "{name:width$}  {:30}{:30}{nis}", nees_cell(position), nees_cell(joint))?;
+            writeln!(f, "{name:width$}  {:33}{:33}{nis}", nees_cell(position), nees_cell(joint))?;
         }
         writeln!(f)?;
         for (name, method) in &self.methods {

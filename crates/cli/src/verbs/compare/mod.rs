@@ -15,7 +15,6 @@ use adit_evaluation::plot::{PathCurve, Role};
 use anyhow::{Result, bail};
 use contest::Entered;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use trials::{Trial, Trials};
 
@@ -28,11 +27,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         from_s: args.from.unwrap_or(contest.judged_from_s),
     };
     let (runs, mut first) = run_all(&trials, &contest.contenders, &rules)?;
-    let mut methods = BTreeMap::new();
+    let mut methods = Vec::with_capacity(contest.contenders.len());
     for (nth, contender) in contest.contenders.iter().enumerate() {
         let outcomes: Vec<RunOutcome> = runs.iter().map(|run| run[nth].outcome.clone()).collect();
         let summary = summarise(contender.method.name(), &outcomes, contender.in_figures)?;
-        methods.insert(contender.name.clone(), summary);
+        methods.push((contender.name.clone(), summary));
     }
     let comparison = Comparison {
         scenario: args.source.display().to_string(),

@@ -42,6 +42,9 @@ use serde::{Deserialize, Serialize};
 /// Fixes that may wait for the inertial sample after them; with no sample for so long the oldest are dropped.
 const MOST_HELD: usize = 32;
 
+/// A prediction this many times less sure than a fix does not judge it.
+const UNSURE: f64 = 10.0;
+
 /// Index of the error state behind each state of a solution (east, north, up, velocity, attitude), where there is one.
 pub type StateMap = [Option<usize>; 9];
 
@@ -275,7 +278,11 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
         );
         let residual =
             Vector2::new(point.latitude_rad - here.latitude_rad, point.longitude_rad - here.longitude_rad);
-        let bound = self.params.fix_nis_bound;
+        // Who is ten times less sure than the fix cannot call it an outlier.
+        let predicted_m2 = self.covariance[(M::LATITUDE, M::LATITUDE)] * latitude_m * latitude_m
+            + self.covariance[(M::LONGITUDE, M::LONGITUDE)] * longitude_m * longitude_m;
+        let sure = predicted_m2 < UNSURE * UNSURE * fix.covariance_m2.trace();
+        let bound = if sure { self.params.fix_nis_bound } else { f64::INFINITY };
         let noise = noise + self.mechanisation.second_order(&self.covariance);
         let measured = [M::LATITUDE, M::LONGITUDE];
         let before = self.covariance;

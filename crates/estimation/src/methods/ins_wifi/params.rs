@@ -24,7 +24,8 @@ pub struct InsWifiParams {
     pub velocity_sigma_m_s: f64,
     /// How well the height of the level is known, σ, m (full method; a height in a fix says more).
     pub level_sigma_m: f64,
-    /// A fix whose normalised innovation squared exceeds this pulls no more than one at it.
+    /// A fix whose normalised innovation squared exceeds this pulls no more than one at it, once the position is nearly as well
+    /// known as the fix (ten times its standard deviation).
     pub fix_nis_bound: f64,
     /// False: dead reckoning alone, fixes are counted and left.
     pub use_fixes: bool,
