@@ -30,6 +30,14 @@ pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, 
         escape(&comparison.alignment),
         comparison.judged_from_s,
     );
+    for (name, method) in comparison.methods.iter().filter(|(_, method)| method.failed_runs > 0) {
+        let failed = method.failed_runs;
+        let _ = writeln!(
+            page,
+            "<p><b>{} gave up on {failed} runs</b>, which are in no figure.</p>",
+            escape(name)
+        );
+    }
     errors_table(&mut page, comparison);
     largest_table(&mut page, comparison);
     consistency_table(&mut page, comparison);

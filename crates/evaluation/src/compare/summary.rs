@@ -109,8 +109,10 @@ pub struct NisSummary {
 pub struct MethodSummary {
     /// Name of the method; the name of the entry may be another, of another configuration.
     pub method: String,
-    /// Number of runs.
+    /// Number of runs that it came to the end of: all figures are over these.
     pub runs: usize,
+    /// Number of runs on which it gave up.
+    pub failed_runs: usize,
     /// Horizontal position errors; none for attitude alone.
     pub position_m: Option<Quantiles>,
     /// |Heading| errors.
@@ -171,12 +173,13 @@ pub struct Comparison {
     pub methods: Vec<(String, MethodSummary)>,
 }
 
-/// Sums up the runs of one method, one at least.
+/// Sums up the runs of one method; those that it failed are `None`.
 pub fn summarise(
     method: &str,
-    runs: &[RunOutcome],
+    all: &[Option<RunOutcome>],
     in_figures: bool,
 ) -> Result<MethodSummary, EvaluationError> {
+    let runs: Vec<&RunOutcome> = all.iter().flatten().collect();
     let errors: Vec<&RunErrors> = runs.iter().map(|run| &run.errors).collect();
     let pool =
         |of: &dyn Fn(&RunErrors) -> Vec<f64>| -> Vec<f64> { errors.iter().flat_map(|run| of(run)).collect() };
@@ -194,6 +197,7 @@ pub fn summarise(
     Ok(MethodSummary {
         method: method.to_owned(),
         runs: runs.len(),
+        failed_runs: all.len() - runs.len(),
         position_m: Quantiles::of(&pool(&horizontal)),
         heading_deg: Quantiles::of(&pool(&heading)),
         velocity_m_s: Quantiles::of(&pool(&velocity)),
@@ -216,7 +220,7 @@ pub fn summarise(
             heading: nees(2)?,
             joint: nees(3)?,
         },
-        nis: nis(runs)?,
+        nis: nis(&runs)?,
         in_figures,
         curves: ErrorCurves {
             position_m: curve(&errors, &horizontal),
@@ -286,7 +290,7 @@ fn nees(errors: &[&RunErrors], part: usize) -> Result<Option<Nees>, EvaluationEr
     }))
 }
 
-fn nis(runs: &[RunOutcome]) -> Result<Option<NisSummary>, EvaluationError> {
+fn nis(runs: &[&RunOutcome]) -> Result<Option<NisSummary>, EvaluationError> {
     let known: Vec<_> = runs.iter().filter_map(|run| run.nis).collect();
     let Some((dimension, ..)) = known.first().copied() else { return Ok(None) };
     let (count, sum) = known.iter().fold((0, 0.0), |(count, sum), (_, n, s)| (count + n, sum + s));
@@ -338,6 +342,10 @@ impl fmt::Display for Comparison {
             writeln!(f, "{name:width$}  {:33}{:33}{nis}", nees_cell(position), nees_cell(joint))?;
         }
         writeln!(f)?;
+        for (name, method) in self.methods.iter().filter(|(_, method)| method.failed_runs > 0) {
+            let (failed, seeds) = (method.failed_runs, self.seeds);
+            writeln!(f, "{name} gave up on {failed} of {seeds} runs, which are in no figure")?;
+        }
         for (name, method) in &self.methods {
             writeln!(f, "speed {name:width$}  {:.0} ns for one sample", method.time_per_step_ns)?;
         }

@@ -29,7 +29,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let (runs, mut first) = run_all(&trials, &contest.contenders, &rules)?;
     let mut methods = Vec::with_capacity(contest.contenders.len());
     for (nth, contender) in contest.contenders.iter().enumerate() {
-        let outcomes: Vec<RunOutcome> = runs.iter().map(|run| run[nth].outcome.clone()).collect();
+        let outcomes: Vec<Option<RunOutcome>> = runs.iter().map(|run| run[nth].outcome.clone()).collect();
         let summary = summarise(contender.method.name(), &outcomes, contender.in_figures)?;
         methods.push((contender.name.clone(), summary));
     }
