@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The rates about the two axes without a gyro are those of level walking: none against the level frame. With the paper's
-//! own eq. 2 and 3 (which belong to three gyros) the platform would tilt with the Earth, 4° in 1000 s.
+//! own eq. 2 and 3 (which belong to three gyros) the platform would tilt with the Earth, 3° in 1000 s.
 //!
 //! One step takes the mean rate and force of its interval, turns the force by half of the turn, and the velocity by the
 //! midpoint rule; [`Reduced::carry`] is the exact derivative of that step, proven in `tests/ins_wifi_jacobian.rs`.
