@@ -32,7 +32,7 @@ fn a_file_may_bring_its_own_gaits_and_sensors() {
     assert_eq!(samples.len(), 200);
     let late = |emission: &Emission| match emission {
         Emission::Imu(sample, truth) => (sample.time - truth.time).nanos(),
-        Emission::Magnetic(..) => 0,
+        Emission::Magnetic(..) | Emission::Fix(..) => 0,
     };
     assert!(
         samples.iter().any(|emission| late(emission) != 0),
@@ -56,7 +56,7 @@ fn the_scenarios_of_s3_walk_the_court() {
         assert_eq!((ours.foot, ours.imu, ours.rate_hz), (theirs.foot, theirs.imu, theirs.rate_hz), "{name}");
         let disturbed = scenario.generate(3).unwrap().emissions.filter_map(|emission| match emission {
             Emission::Magnetic(_, truth) => Some((truth.time.seconds(), truth.disturbance_ut.norm())),
-            Emission::Imu(..) => None,
+            Emission::Imu(..) | Emission::Fix(..) => None,
         });
         // By then every car has left, or stands where the walker was.
         let disturbed = disturbed.take_while(|(time_s, _)| *time_s < 420.0).map(|(_, norm_ut)| norm_ut);

@@ -134,7 +134,8 @@ fn consistency_table(page: &mut String, comparison: &Comparison) {
                 )
             },
         );
-        let cells = [&parts.position, &parts.velocity, &parts.heading, &parts.joint].map(nees_cell);
+        let cells = [&parts.position, &parts.velocity, &parts.heading, &parts.joint]
+            .map(|part| nees_cell(part.as_ref()));
         let _ = writeln!(
             page,
             "<tr><td>{}</td><td>{}</td><td>{nis}</td></tr>",
@@ -158,7 +159,7 @@ fn nees_figures(page: &mut String, shown: &[(&String, &MethodSummary)]) -> Resul
             continue;
         };
         let times = times.iter().map(|(time_s, _)| *time_s);
-        let (Some(first), Some(last)) = (times.clone().next(), times.clone().last()) else { continue };
+        let (Some(first), Some(last)) = (times.clone().next(), times.clone().next_back()) else { continue };
         let bound = |label: &str, value: f64| TimeCurve {
             label: format!("{label} 95 % bound"),
             points: vec![(first, value), (last, value)],
@@ -174,8 +175,8 @@ fn nees_figures(page: &mut String, shown: &[(&String, &MethodSummary)]) -> Resul
     Ok(())
 }
 
-fn nees_cell(nees: &Option<Nees>) -> String {
-    nees.as_ref().map_or_else(
+fn nees_cell(nees: Option<&Nees>) -> String {
+    nees.map_or_else(
         || "–".to_owned(),
         |nees| {
             let inside = 100.0 * nees.share_inside;

@@ -338,7 +338,8 @@ impl fmt::Display for Comparison {
                     )
                 },
             );
-            let (position, joint) = (&method.consistency.position, &method.consistency.joint);
+            let parts = &method.consistency;
+            let (position, joint) = (parts.position.as_ref(), parts.joint.as_ref());
             writeln!(f, "{name:width$}  {:33}{:33}{nis}", nees_cell(position), nees_cell(joint))?;
         }
         writeln!(f)?;
@@ -364,8 +365,8 @@ fn cell(value: Option<f64>, width: usize, unit: &str) -> String {
     }
 }
 
-fn nees_cell(nees: &Option<Nees>) -> String {
-    nees.as_ref().map_or_else(
+fn nees_cell(nees: Option<&Nees>) -> String {
+    nees.map_or_else(
         || "–".to_owned(),
         |nees| {
             let inside = 100.0 * nees.share_inside;

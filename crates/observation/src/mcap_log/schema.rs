@@ -8,6 +8,7 @@ use adit_core::time::Time;
 use prost::Message;
 
 /// Types made by prost from `proto/adit/v1/*.proto`.
+#[expect(clippy::doc_markdown, clippy::trivially_copy_pass_by_ref, reason = "as prost writes enums")]
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/schemas.rs"));
 }

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-/// ChaCha stream of the plan.
+/// Random stream of the plan.
 const STREAM: u64 = 1;
 /// A drawn walk begins at rest, s.
 const FIRST_STAND_S: f64 = 1.0;
