@@ -6,7 +6,8 @@ use std::fs;
 use std::path::PathBuf;
 
 const FOLDER: &str = "../../proto";
-const SCHEMAS: [&str; 3] = ["adit/v1/vector3.proto", "adit/v1/imu.proto", "adit/v1/magnetic.proto"];
+const SCHEMAS: [&str; 4] =
+    ["adit/v1/vector3.proto", "adit/v1/imu.proto", "adit/v1/magnetic.proto", "adit/v1/position_fix.proto"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={FOLDER}");

@@ -8,7 +8,7 @@ use adit_observation::files::Input;
 use adit_observation::sidecar::{MagneticFieldReference, MagnetometerCalibration, Sidecar, SidecarEdit};
 use adit_observation::solution_csv::SolutionReader;
 use adit_observation::tum::TumReader;
-use adit_observation::{ImuSpecification, LogError, LogReader, ReadOptions, SensorRows, truth};
+use adit_observation::{ImuSpecification, LogError, LogReader, Observation, ReadOptions, SensorRows, truth};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,7 +22,11 @@ pub fn parse_log(bytes: &[u8]) -> Result<usize, LogError> {
     let mut latest = None;
     let mut count = 0;
     for observation in log.by_ref() {
-        let time = observation?.time();
+        let observation = observation?;
+        let time = observation.time();
+        if let Observation::Fix(fix) = &observation {
+            assert_eq!(fix.fault(), None, "a fix is a place with a spread");
+        }
         assert!(latest.is_none_or(|latest| latest <= time), "observations come in order of time");
         latest = Some(time);
         count += 1;

@@ -1,9 +1,11 @@
 //! The command line: names, flags and their help. This is a contract; scripts stand on it.
 
 mod calibrate;
+mod compare;
 pub mod mine;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
+pub use compare::CompareArgs;
 
 use crate::method::MethodName;
 use crate::output::Target;
@@ -122,6 +124,8 @@ pub enum Verb {
     Calibrate(CalibrateArgs),
     /// Check a mine file, or write it in another form
     Mine(mine::MineArgs),
+    /// Compare methods over many seeds of a scenario, or on recorded runs
+    Compare(CompareArgs),
 }
 
 /// `adit demo`.

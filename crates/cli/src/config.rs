@@ -24,9 +24,14 @@ pub fn overlay<T: Serialize + DeserializeOwned>(base: &T, path: &Path) -> Result
     let text = text(path)?;
     // Checked on its own first: this is where names and types get their line numbers.
     parse::<T>(path, &text)?;
+    overlay_table(base, parse(path, &text)?).map_err(|error| anyhow!("{}: {error}", path.display()))
+}
+
+/// `base` with the values of a table in place of its own; a name that it does not know is an error.
+pub fn overlay_table<T: Serialize + DeserializeOwned>(base: &T, over: toml::Table) -> Result<T> {
     let mut merged = toml::Table::try_from(base).context("settings cannot be written as TOML")?;
-    merge(&mut merged, parse(path, &text)?);
-    merged.try_into().map_err(|error| anyhow!("{}: {}", path.display(), error.message()))
+    merge(&mut merged, over);
+    merged.try_into().map_err(|error| anyhow!("{}", error.message()))
 }
 
 /// The whole of a text file.
@@ -34,7 +39,8 @@ pub fn text(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("{}: cannot read it", path.display()))
 }
 
-fn merge(base: &mut toml::Table, over: toml::Table) {
+/// Puts the values of one table in place of those of another.
+pub fn merge(base: &mut toml::Table, over: toml::Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {
             (Some(toml::Value::Table(below)), toml::Value::Table(above)) => merge(below, above),

@@ -5,19 +5,25 @@
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
-use adit_estimation::methods::{Known, MethodReport, MethodSettings, MethodWarning};
+use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
+use serde::Deserialize;
 use std::path::Path;
 
 /// How to position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MethodName {
     /// Inertial sensor on the foot: zero velocity whenever the foot stands; no infrastructure
     FootIns,
     /// Inertial sensor and magnetometer on the foot: as foot-ins, heading by the field where it is undisturbed
     MargIns,
+    /// One gyro, two accelerometers and position fixes on a level walk: ten error states; needs a start
+    ReducedInsWifi,
+    /// Six axes and position fixes: eighteen error states; needs a start
+    FullInsWifi,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -32,6 +38,14 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::MargIns => {
                 type $settings = adit_estimation::methods::marg_ins::MargInsParams;
+                $body
+            }
+            $crate::method::MethodName::ReducedInsWifi => {
+                type $settings = adit_estimation::methods::ins_wifi::ReducedInsWifiParams;
+                $body
+            }
+            $crate::method::MethodName::FullInsWifi => {
+                type $settings = adit_estimation::methods::ins_wifi::FullInsWifiParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -59,10 +73,17 @@ impl MethodName {
         with_settings!(self, S => S::WHOLE_LOG)
     }
 
+    /// Whether it estimates positions, not attitude alone.
+    pub fn estimates_path(self) -> bool {
+        with_settings!(self, S => S::ESTIMATES == Estimates::Path)
+    }
+
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (_, None | Some(Location::Foot)) | (Self::Ahrs, _) => None,
+            (_, None | Some(Location::Foot)) | (Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => {
+                None
+            }
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
@@ -73,8 +94,13 @@ impl MethodName {
 
 /// Settings of a method: the defaults, over them what a sidecar knows, over these what a TOML file says.
 pub fn settings<S: MethodSettings>(sidecar: Option<&Sidecar>, config: Option<&Path>) -> Result<S> {
-    let settings = sidecar.map_or_else(S::default, |sidecar| S::default().knowing(&known(sidecar)));
+    let settings = knowing::<S>(sidecar);
     config.map_or_else(|| Ok(settings.clone()), |path| config::overlay(&settings, path))
+}
+
+/// Settings of a method: the defaults, and over them what a sidecar knows.
+pub fn knowing<S: MethodSettings>(sidecar: Option<&Sidecar>) -> S {
+    sidecar.map_or_else(S::default, |sidecar| S::default().knowing(&known(sidecar)))
 }
 
 fn known(sidecar: &Sidecar) -> Known {
@@ -82,6 +108,8 @@ fn known(sidecar: &Sidecar) -> Known {
         specification: sidecar.noise,
         declination_rad: sidecar.frame.magnetic_declination_deg.map(f64::to_radians),
         field: reference_field(sidecar),
+        site: sidecar.site,
+        start: sidecar.start,
     }
 }
 

@@ -14,7 +14,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 10] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
-            "[possible values: foot-ins, marg-ins, ahrs]",
+            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, ahrs]",
         ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
@@ -60,7 +60,7 @@ fn version_and_help_go_to_stdout() {
 
 #[test]
 fn help_reads_as_it_should() {
-    for verb in ["demo", "simulate", "track", "eval"] {
+    for verb in ["demo", "simulate", "track", "eval", "compare"] {
         insta::assert_snapshot!(format!("help_{verb}"), run(&[verb, "--help"]).stdout);
     }
     insta::assert_snapshot!("help", run(&["--help"]).stdout);

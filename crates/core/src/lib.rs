@@ -1,7 +1,7 @@
 //! What has exactly one right answer in positioning.
 //!
 //! Everything here is `no_std`, free of I/O, and shared by every other room of adit: [`time`], [`frames`],
-//! [`geodesy`], [`attitude`], the [`solution::Solution`] that every method returns, and
+//! [`geodesy`], [`level_frame`], [`attitude`], the [`solution::Solution`] that every method returns, and
 //! [`trajectory`] with interpolation.
 //!
 //! # Conventions, stated once
@@ -20,6 +20,7 @@ extern crate alloc;
 pub mod attitude;
 pub mod frames;
 pub mod geodesy;
+pub mod level_frame;
 pub mod solution;
 pub mod time;
 pub mod trajectory;

@@ -8,7 +8,7 @@ use adit_core::solution::Solution;
 use adit_core::time::{Interval, Time};
 use adit_estimation::methods::ahrs::{AhrsParams, smooth};
 use adit_estimation::methods::{MethodError, MethodWarning};
-use adit_observation::{ImuSample, MagneticSample, Observation};
+use adit_observation::{ImuSample, MagneticSample, Observation, PositionFix};
 use proptest::prelude::*;
 use support::turning::{Tag, run, worst_deg};
 
@@ -37,7 +37,7 @@ fn log() -> Vec<Observation> {
 fn inertial(log: &mut [Observation], from: usize) -> (usize, &mut ImuSample) {
     let found = log.iter_mut().enumerate().skip(from).find_map(|(index, observation)| match observation {
         Observation::Imu(sample) => Some((index, sample)),
-        Observation::Magnetic(_) => None,
+        Observation::Magnetic(_) | Observation::Fix(_) => None,
     });
     found.unwrap()
 }
@@ -255,6 +255,7 @@ fn gaps_one_after_the_other_are_each_told() {
         match observation {
             Observation::Imu(sample) => sample.time = shift(sample.time),
             Observation::Magnetic(sample) => sample.time = shift(sample.time),
+            Observation::Fix(fix) => fix.time = shift(fix.time),
         }
     }
     for (solutions, report) in
@@ -311,6 +312,7 @@ proptest! {
                 match observation {
                     Observation::Imu(sample) => Observation::Imu(ImuSample { time, ..sample }),
                     Observation::Magnetic(sample) => Observation::Magnetic(MagneticSample { time, ..sample }),
+                    Observation::Fix(fix) => Observation::Fix(PositionFix { time, ..fix }),
                 }
             })
             .collect();

@@ -193,6 +193,7 @@ fn the_mounting_of_the_sensor_does_not_matter() {
                     s.field_ut = mounting.inverse_transform_vector(&s.field_ut);
                     Observation::Magnetic(s)
                 }
+                Observation::Fix(fix) => Observation::Fix(fix),
             })
             .collect();
         let (solutions, _) = run(told(), &turned).unwrap();
@@ -237,6 +238,7 @@ fn what_is_no_sample_is_refused_and_leaves_the_walker_as_he_was() {
                 magnetic.field_ut.x = f64::INFINITY;
                 assert_eq!(method.observe(&Observation::Magnetic(magnetic)), Ok(None));
             }
+            Observation::Fix(_) => {}
         }
     }
     while let Some(solution) = method.finish_next().unwrap() {
@@ -338,7 +340,7 @@ fn hard_iron_that_the_calibration_left_is_learnt_when_the_walker_turns_round() {
                 magnetic.field_ut += iron;
                 Observation::Magnetic(magnetic)
             }
-            Observation::Imu(_) => observation,
+            Observation::Imu(_) | Observation::Fix(_) => observation,
         })
         .collect();
     let mut params = told();

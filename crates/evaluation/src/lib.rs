@@ -12,6 +12,7 @@
 //! | distance | [`travel`] | positions → path length, end error |
 //! | summarise | [`statistics`] | error series → RMSE, percentiles, distribution |
 //! | consistency | [`consistency`] | errors and covariances → NEES, NIS and their χ² bounds |
+//! | compare | [`compare`] | many runs of several methods → spread over the seeds, HTML |
 //! | show | [`report`], [`plot`] | JSON, table, SVG |
 //!
 //! [`evaluate()`] runs them all, [`evaluate_attitude`] those that need no positions. Nothing here reads or writes files: trajectories come in as
@@ -40,6 +41,7 @@ pub mod alignment;
 pub mod ape;
 pub mod association;
 pub mod attitude_only;
+pub mod compare;
 pub mod consistency;
 mod error;
 pub mod evaluate;

@@ -24,26 +24,6 @@ pub struct MagneticSample {
     pub field_ut: Vector3<f64>,
 }
 
-/// One thing that one sensor said at one time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Observation {
-    /// Gyro and accelerometer.
-    Imu(ImuSample),
-    /// Magnetometer.
-    Magnetic(MagneticSample),
-}
-
-impl Observation {
-    /// When it was said.
-    pub fn time(&self) -> Time {
-        match self {
-            Self::Imu(sample) => sample.time,
-            Self::Magnetic(sample) => sample.time,
-        }
-    }
-}
-
 /// Noise of an IMU in the terms of a data sheet; one-sided amplitude spectral densities.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

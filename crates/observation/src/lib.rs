@@ -34,7 +34,10 @@
 //! complete, so that none is ever left half written.
 #![cfg_attr(not(feature = "std"), no_std)]
 
+mod fix;
 mod imu;
+mod observation;
+mod start;
 
 #[cfg(feature = "std")]
 pub mod csv_log;
@@ -67,12 +70,15 @@ mod warning;
 
 #[cfg(feature = "std")]
 pub use error::{At, LogError, Place};
-pub use imu::{ImuSample, ImuSpecification, MagneticSample, Observation};
+pub use fix::{FixSource, HeightFix, PositionFix};
+pub use imu::{ImuSample, ImuSpecification, MagneticSample};
 #[cfg(feature = "std")]
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
+pub use observation::{Observation, ObservationKind};
 #[cfg(feature = "std")]
 pub use sensor_rows::SensorRows;
 #[cfg(feature = "std")]
 pub use source::LogSource;
+pub use start::{Site, StartPose};
 #[cfg(feature = "std")]
 pub use warning::{LogWarning, Warnings};

@@ -3,8 +3,8 @@
 use crate::csv_log::CsvLog;
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
-use crate::imu::Observation;
 use crate::mcap_log::{self, McapLog};
+use crate::observation::Observation;
 use crate::order::{DEFAULT_GAP_LIMIT, Ordered};
 use crate::plausibility::UnitChecked;
 use crate::sidecar::Sidecar;

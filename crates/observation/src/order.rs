@@ -4,11 +4,12 @@
 //! - An observation with the same time as the one before it of the same sensor is a repetition: it is dropped and
 //!   counted as a warning. Loggers write such rows (the public foot-loops recordings did), and a zero interval has no place in
 //!   a filter.
+//!   Fixes of one time from two sources are two sensors; from one source, a repetition.
 //! - More than [`Ordered::gap_limit`] between two inertial samples is a warning: the log goes on, whoever integrates
 //!   should know.
 
 use crate::error::{At, LogError, Place};
-use crate::imu::Observation;
+use crate::observation::{Observation, ObservationKind};
 use crate::source::LogSource;
 use crate::warning::Warnings;
 use adit_core::time::{Interval, Time};
@@ -23,14 +24,13 @@ pub struct Ordered<S> {
     source: S,
     gap_limit: Interval,
     latest: Option<Time>,
-    latest_imu: Option<Time>,
-    latest_magnetic: Option<Time>,
+    latest_of: [Option<Observation>; ObservationKind::COUNT],
 }
 
 impl<S: LogSource> Ordered<S> {
     /// Checks the order of `source`.
     pub fn new(source: S, gap_limit: Interval) -> Self {
-        Self { source, gap_limit, latest: None, latest_imu: None, latest_magnetic: None }
+        Self { source, gap_limit, latest: None, latest_of: [None; ObservationKind::COUNT] }
     }
 
     /// The gap from which on a warning is given.
@@ -49,15 +49,14 @@ impl<S: LogSource> LogSource for Ordered<S> {
                 let place = Place::new(self.source.file(), at);
                 return Err(LogError::TimeBackwards { place, found: time, before });
             }
-            let inertial = matches!(observation, Observation::Imu(_));
-            let same_sensor = if inertial { &mut self.latest_imu } else { &mut self.latest_magnetic };
-            let before = same_sensor.replace(time);
-            if before == Some(time) {
+            let kind = observation.kind();
+            let before = self.latest_of[kind as usize].replace(observation);
+            if before.is_some_and(|before| repeats(&before, &observation)) {
                 warnings.repeated(self.source.file(), at);
                 continue;
             }
-            if let Some(before) = before
-                && inertial
+            if let Some(before) = before.as_ref().map(Observation::time)
+                && kind == ObservationKind::Imu
                 && time - before > self.gap_limit
             {
                 warnings.gap(Place::new(self.source.file(), at), before, time, self.gap_limit);
@@ -71,4 +70,13 @@ impl<S: LogSource> LogSource for Ordered<S> {
     fn file(&self) -> &Arc<Path> {
         self.source.file()
     }
+}
+
+/// The same sensor at the same time; fixes of two sources are of two sensors.
+fn repeats(before: &Observation, now: &Observation) -> bool {
+    let same_sensor = match (before, now) {
+        (Observation::Fix(before), Observation::Fix(now)) => before.source == now.source,
+        _ => true,
+    };
+    same_sensor && before.time() == now.time()
 }

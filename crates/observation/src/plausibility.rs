@@ -17,7 +17,8 @@
 //! silence proves nothing.)
 
 use crate::error::{At, LogError, Place};
-use crate::imu::{ImuSample, Observation};
+use crate::imu::ImuSample;
+use crate::observation::Observation;
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use std::collections::VecDeque;
@@ -82,7 +83,7 @@ impl<S: LogSource> UnitChecked<S> {
         let samples = || {
             self.queue.iter().filter_map(|(observation, _)| match observation {
                 Observation::Imu(sample) => Some(sample),
-                Observation::Magnetic(_) => None,
+                Observation::Magnetic(_) | Observation::Fix(_) => None,
             })
         };
         let quiet = samples().filter(|s| s.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S).map(force);

@@ -7,8 +7,8 @@
 use crate::csv_log::{Row, RowReader};
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
-use crate::imu::Observation;
 use crate::mcap_log::{self, McapLog};
+use crate::observation::{Observation, ObservationKind};
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use adit_core::time::Time;
@@ -26,8 +26,8 @@ pub struct SensorRows {
     warnings: Warnings,
     progress: (Arc<AtomicU64>, Option<u64>),
     latest: Option<Time>,
-    /// Last stamps of the inertial and of the magnetic sensor.
-    latest_of: [Option<Time>; 2],
+    /// Last stamp of each kind.
+    latest_of: [Option<Time>; ObservationKind::COUNT],
     ended: bool,
 }
 
@@ -51,7 +51,15 @@ impl SensorRows {
         } else {
             Source::Csv(Box::new(RowReader::new(input, &mut warnings)?))
         };
-        Ok(Self { source, file, warnings, progress, latest: None, latest_of: [None; 2], ended: false })
+        Ok(Self {
+            source,
+            file,
+            warnings,
+            progress,
+            latest: None,
+            latest_of: [None; ObservationKind::COUNT],
+            ended: false,
+        })
     }
 
     /// What was odd so far; complete once the iterator has ended.
@@ -92,7 +100,7 @@ impl SensorRows {
                 let place = Place::new(&self.file, at);
                 return Err(LogError::TimeBackwards { place, found: row.time, before });
             }
-            let [inertial, magnetic] = &mut self.latest_of;
+            let [inertial, magnetic, fixed] = &mut self.latest_of;
             let mut repeated = false;
             let has_inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
             if has_inertial && inertial.replace(row.time) == Some(row.time) {
@@ -101,11 +109,14 @@ impl SensorRows {
             if row.field_ut.is_some() && magnetic.replace(row.time) == Some(row.time) {
                 (row.field_ut, repeated) = (None, true);
             }
+            if row.fix.is_some() && fixed.replace(row.time) == Some(row.time) {
+                (row.fix, repeated) = (None, true);
+            }
             if repeated {
                 self.warnings.repeated(&self.file, at);
             }
-            if row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some() || row.field_ut.is_some()
-            {
+            let inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
+            if inertial || row.field_ut.is_some() || row.fix.is_some() {
                 return Ok(Some(row));
             }
         }
@@ -114,14 +125,16 @@ impl SensorRows {
 }
 
 fn row(observation: &Observation) -> Row {
+    let time = observation.time();
     let mut row =
-        Row { time: observation.time(), specific_force_m_s2: None, angular_rate_rad_s: None, field_ut: None };
+        Row { time, specific_force_m_s2: None, angular_rate_rad_s: None, field_ut: None, fix: None };
     match observation {
         Observation::Imu(sample) => {
             row.specific_force_m_s2 = Some(sample.specific_force_m_s2);
             row.angular_rate_rad_s = Some(sample.angular_rate_rad_s);
         }
         Observation::Magnetic(sample) => row.field_ut = Some(sample.field_ut),
+        Observation::Fix(fix) => row.fix = Some(*fix),
     }
     row
 }

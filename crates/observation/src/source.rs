@@ -1,7 +1,7 @@
 //! The one shape of every log: observations with their place, pulled one at a time.
 
 use crate::error::{At, LogError};
-use crate::imu::Observation;
+use crate::observation::Observation;
 use crate::warning::Warnings;
 use std::path::Path;
 use std::sync::Arc;

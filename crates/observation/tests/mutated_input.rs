@@ -115,6 +115,21 @@ fn csv_logs() {
     drive("log csv", parse_log, &[plain, other.to_vec()]);
 }
 
+/// Fixes beside inertial samples and alone, with every column that they may have.
+const FIXES: [&str; 2] = [
+    "time_s,fix_east_m,fix_north_m,fix_cov_e_e_m2,fix_cov_e_n_m2,fix_cov_n_n_m2,fix_up_m,fix_up_sigma_m,fix_source\n\
+     0,1,2,0.25,0.01,0.5,-3,0.1,wifi\n1,1,2,0.25,-0.01,0.5,,,uwb\n",
+    "time_s,acc_x_g,acc_y_g,acc_z_g,gyro_x_deg_s,gyro_y_deg_s,gyro_z_deg_s,fix_east_m,fix_north_m,fix_sigma_m\n\
+     0,0,0,1,0,0,0,,,\n0.1,0,0,1,0,0,0,12.5,-3,0.086\n",
+];
+
+#[test]
+fn logs_with_fixes() {
+    drive("log fixes", parse_log, &FIXES.map(|text| text.as_bytes().to_vec()));
+    let observations = FIXES.map(|text| read_all("seed.csv", text.as_bytes()).unwrap().0);
+    drive("log fixes mcap", parse_log, &observations.map(|log| mcap(&log, Packing::Plain)));
+}
+
 #[test]
 fn logs_of_one_sensor() {
     let force = b"time_s,acc_x_g,acc_y_g,acc_z_g\n0,0,0,1\n0.01,0,0.5,1\n0.02,0,0,1\n";

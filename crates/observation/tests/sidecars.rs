@@ -246,3 +246,38 @@ fn a_file_that_is_no_sidecar_is_left_alone() {
     assert_eq!(Sidecar::read(&fresh).unwrap().frame.magnetic_declination_deg, Some(3.0));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
+
+#[test]
+fn site_and_start_are_read_written_and_checked() {
+    use adit_observation::{Site, StartPose};
+    let sidecar = parse(
+        "[site]\nlatitude_deg = 45.7\nlongitude_deg = 121.3833\n[start]\nposition_m = [1.5, -2]\n\
+         position_sigma_m = [26.0, 37.0]\nheading_deg = 91.25\nattitude_sigma_deg = 0.6\n",
+    )
+    .unwrap();
+    let (site, start) = (sidecar.site.unwrap(), sidecar.start.unwrap());
+    assert_eq!(site, Site { latitude_deg: 45.7, longitude_deg: 121.3833, height_m: 0.0 });
+    assert_eq!((start.position_m, start.heading_deg, start.pitch_deg), ([1.5, -2.0], 91.25, 0.0));
+
+    let mut edit = SidecarEdit::parse(Path::new("w.toml"), b"rate_hz = 10.0 # of the gyro\n").unwrap();
+    edit.set_site(&site);
+    edit.set_start(&start);
+    let text = edit.text().unwrap();
+    assert!(text.contains("# of the gyro"));
+    let back = parse(&text).unwrap();
+    assert_eq!((back.site, back.start), (Some(site), Some(start)));
+
+    // Angles go to an attitude and back.
+    let turned = StartPose { pitch_deg: -3.0, roll_deg: 5.0, ..start };
+    let [heading, pitch, roll] = StartPose::angles_deg(&turned.attitude());
+    assert!((heading - 91.25).abs() + (pitch + 3.0).abs() + (roll - 5.0).abs() < 1e-12);
+
+    let refused = |text: &str| parse(text).unwrap_err();
+    assert!(
+        refused("[site]\nlatitude_deg = 90.0\nlongitude_deg = 0.0\n").contains("expected -89 to 89 degrees")
+    );
+    let negative =
+        "[start]\nposition_m = [0, 0]\nposition_sigma_m = [-1, 1]\nheading_deg = 0\nattitude_sigma_deg = 1\n";
+    assert!(refused(negative).contains("w.toml:1: found a value that is no place"));
+    assert!(refused("[start]\nheading_deg = 0\n").contains("missing field"));
+}

@@ -13,6 +13,8 @@
 //! 6. [`MagneticWorld`]: the Earth's field, steel that stands or moves, cables;
 //! 7. [`Magnetometer`]: what a real one makes of that field.
 //!
+//! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
+//!
 //! [`generate_marg`] adds the last two to a walk, [`Generator::with_magnetometer`] to any motion. Frames are those of
 //! [`adit_core`]: ENU, z up. This crate never uses the estimators, and shares no mechanisation with them: it has no
 //! strapdown integration at all.
@@ -32,6 +34,7 @@ pub mod magnetic;
 pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
+pub mod roadway;
 pub mod scenario;
 pub mod tumble;
 
@@ -44,6 +47,9 @@ pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
 pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
+pub use roadway::{
+    FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
+};
 pub use scenario::{FootWalkScenario, Generator, TruthState, generate};
 pub use tumble::{Swing, Tumble};
 pub use walk_plan::{Footprint, Leg, Stride, WalkPlan};

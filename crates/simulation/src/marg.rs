@@ -14,7 +14,7 @@ use crate::scenario::{FootWalkScenario, Generator, TruthState, generate};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
-use adit_observation::{ImuSample, MagneticSample, Observation};
+use adit_observation::{ImuSample, MagneticSample, Observation, PositionFix};
 
 /// Truth at the end of a magnetic sample's integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +38,8 @@ pub enum Emission {
     Imu(ImuSample, TruthState),
     /// Magnetometer.
     Magnetic(MagneticSample, MagneticTruth),
+    /// A position from outside, and the true one, level frame, m.
+    Fix(PositionFix, Vector3<f64>),
 }
 
 impl Emission {
@@ -46,6 +48,7 @@ impl Emission {
         match self {
             Self::Imu(sample, _) => Observation::Imu(*sample),
             Self::Magnetic(sample, _) => Observation::Magnetic(*sample),
+            Self::Fix(fix, _) => Observation::Fix(*fix),
         }
     }
 
@@ -65,7 +68,7 @@ impl Emission {
 /// let (imu, mag) = (ImuErrorModel::xsens_mti_g(), MagnetometerModel::xsens_mti_g());
 /// let norms = generate_marg(&walk, &imu, &world, &mag, 1)?.filter_map(|emission| match emission {
 ///     Emission::Magnetic(sample, _) => Some(sample.field_ut.norm()),
-///     Emission::Imu(..) => None,
+///     Emission::Imu(..) | Emission::Fix(..) => None,
 /// });
 /// assert!(norms.into_iter().all(|norm| (norm - 55.3).abs() < 5.0));
 /// # Ok(())

@@ -1,7 +1,7 @@
 //! Scenarios as people write them: TOML with degrees, names of gaits and sensors, and one line a leg.
 //!
 //! ```toml
-//! kind = "foot-walk"        # or tumble, with a table [tumble] in place of gait, heading_deg and legs
+//! kind = "foot-walk"        # or tumble, roadway-walk: a table [tumble], [roadway] in place of gait, heading_deg and legs
 //! seed = 1
 //! sensor = "adis16448"      # or another preset, or a table [sensors.NAME] of this file
 //! gait = "walk"             # or slow, run, stairs, or a table [gaits.NAME] of this file
@@ -17,20 +17,27 @@
 //!
 //! Whatever is wrong is told with its line, also what only the simulator can know.
 
+mod compare;
 mod magnetic;
 mod place;
+mod roadway;
 mod tumble;
 
 use crate::config;
+use adit_observation::sidecar::Sidecar;
 use adit_simulation::{
     Emission, FootWalk, FootWalkScenario, Gait, Generator, IdealImu, ImuErrorModel, Leg, MagneticWorld,
     MagnetometerModel, Motion, Tumble,
 };
 use anyhow::Result;
+use compare::CompareEntry;
+pub use compare::{Contender, Contest};
 use magnetic::Magnetic;
 use place::Source;
+use roadway::RoadwayEntry;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 use tumble::TumbleEntry;
@@ -66,8 +73,12 @@ struct Entries {
     legs: Option<Spanned<Vec<Spanned<LegEntry>>>>,
     /// How the tag is turned, where nobody walks.
     tumble: Option<Spanned<TumbleEntry>>,
+    /// The level walk, its fixes and its start.
+    roadway: Option<Spanned<RoadwayEntry>>,
     /// Field and magnetometer.
     magnetic: Option<Magnetic>,
+    /// What `adit compare` runs.
+    compare: Option<CompareEntry>,
     /// Sensors of this file.
     #[serde(default)]
     sensors: BTreeMap<String, Spanned<ImuErrorModel>>,
@@ -84,6 +95,7 @@ struct Entries {
 enum Kind {
     FootWalk,
     Tumble,
+    RoadwayWalk,
 }
 
 /// A leg as people write it; [`Leg`] with degrees and names.
@@ -120,10 +132,10 @@ const GAITS: [Preset<Gait>; 4] =
 pub struct Run {
     /// Length in time, s.
     pub duration_s: f64,
+    /// What somebody would tell in a sidecar of this run, where there is something to tell.
+    pub sidecar: Option<Sidecar>,
     /// Samples with their truth, in order of time.
     pub emissions: Box<dyn Iterator<Item = Emission>>,
-    /// Declination of the site, where there is a magnetometer, rad.
-    pub declination_rad: Option<f64>,
 }
 
 impl Scenario {
@@ -158,6 +170,7 @@ impl Scenario {
                 let magnetometer = self.magnetometer(&tumble, None)?;
                 self.run(tumble, magnetometer, seed)
             }
+            Kind::RoadwayWalk => self.roadway_walk(seed),
         }
     }
 
@@ -168,18 +181,24 @@ impl Scenario {
         magnetometer: Option<(MagneticWorld, MagnetometerModel)>,
         seed: u64,
     ) -> Result<Run> {
-        let Entries { sensor, sensors, .. } = &self.entries;
-        let errors = named("sensor", sensor, sensors, &SENSORS, &self.source)?;
-        let span = sensors.get(sensor.get_ref()).map_or_else(|| sensor.span(), Spanned::span);
+        let (errors, span) = self.sensor()?;
         let refused = |error| self.source.refused(&span, &error);
         let duration_s = motion.duration_s();
-        let declination_rad = magnetometer.as_ref().map(|(world, _)| world.earth.declination_rad);
+        let sidecar = magnetometer.as_ref().map(|(world, _)| declination(world));
         let imu = Generator::new(motion, self.imu()?, self.rate_hz()?, &errors, seed).map_err(refused)?;
         let emissions: Box<dyn Iterator<Item = Emission>> = match magnetometer {
             Some((world, model)) => Box::new(imu.with_magnetometer(world, &model, seed).map_err(refused)?),
             None => Box::new(imu.map(|(sample, truth)| Emission::Imu(sample, truth))),
         };
-        Ok(Run { duration_s, emissions, declination_rad })
+        Ok(Run { duration_s, sidecar, emissions })
+    }
+
+    /// The errors of the sensor, and where they stand.
+    fn sensor(&self) -> Result<(ImuErrorModel, Range<usize>)> {
+        let Entries { sensor, sensors, .. } = &self.entries;
+        let errors = named("sensor", sensor, sensors, &SENSORS, &self.source)?;
+        let span = sensors.get(sensor.get_ref()).map_or_else(|| sensor.span(), Spanned::span);
+        Ok((errors, span))
     }
 
     fn magnetometer(
@@ -196,6 +215,7 @@ impl Scenario {
     fn foot_walk(&self) -> Result<FootWalkScenario> {
         let Entries { gait, gaits, heading_deg, legs, tumble, .. } = &self.entries;
         self.strange("tumble", tumble.as_ref())?;
+        self.strange("roadway", self.entries.roadway.as_ref())?;
         for own in gaits.values() {
             own.get_ref().check().map_err(|error| self.source.refused(&own.span(), &error))?;
         }
@@ -214,6 +234,7 @@ impl Scenario {
         self.strange("gait", gait.as_ref())?;
         self.strange("heading_deg", heading_deg.as_ref())?;
         self.strange("legs", legs.as_ref())?;
+        self.strange("roadway", self.entries.roadway.as_ref())?;
         let entry = self.needed("tumble", tumble.as_ref())?;
         let tumble = entry.get_ref().tumble();
         tumble.check().map_err(|error| self.source.refused(&entry.span(), &error))?;
@@ -286,8 +307,16 @@ impl Kind {
         match self {
             Self::FootWalk => "foot-walk",
             Self::Tumble => "tumble",
+            Self::RoadwayWalk => "roadway-walk",
         }
     }
+}
+
+/// A sidecar that gives the declination of the site.
+fn declination(world: &MagneticWorld) -> Sidecar {
+    let mut sidecar = Sidecar::default();
+    sidecar.frame.magnetic_declination_deg = Some(world.earth.declination_rad.to_degrees());
+    sidecar
 }
 
 /// Looks a name up, in the file first.

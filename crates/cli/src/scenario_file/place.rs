@@ -19,6 +19,11 @@ impl Source {
         Self { file: file.to_path_buf(), text: text.to_owned() }
     }
 
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
     /// An error at the line on which `span` starts.
     pub fn error(&self, span: &Range<usize>, what: &str) -> Error {
         anyhow!("{}:{}: {what}", self.file.display(), line(&self.text, span.start))

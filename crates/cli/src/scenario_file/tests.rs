@@ -32,7 +32,7 @@ fn a_file_may_bring_its_own_gaits_and_sensors() {
     assert_eq!(samples.len(), 200);
     let late = |emission: &Emission| match emission {
         Emission::Imu(sample, truth) => (sample.time - truth.time).nanos(),
-        Emission::Magnetic(..) => 0,
+        Emission::Magnetic(..) | Emission::Fix(..) => 0,
     };
     assert!(
         samples.iter().any(|emission| late(emission) != 0),
@@ -56,7 +56,7 @@ fn the_scenarios_of_s3_walk_the_court() {
         assert_eq!((ours.foot, ours.imu, ours.rate_hz), (theirs.foot, theirs.imu, theirs.rate_hz), "{name}");
         let disturbed = scenario.generate(3).unwrap().emissions.filter_map(|emission| match emission {
             Emission::Magnetic(_, truth) => Some((truth.time.seconds(), truth.disturbance_ut.norm())),
-            Emission::Imu(..) => None,
+            Emission::Imu(..) | Emission::Fix(..) => None,
         });
         // By then every car has left, or stands where the walker was.
         let disturbed = disturbed.take_while(|(time_s, _)| *time_s < 420.0).map(|(_, norm_ut)| norm_ut);
@@ -162,7 +162,7 @@ fn mistake(good: &str, right: &str, wrong: &str) -> String {
 fn every_mistake_in_a_walk_is_told_with_its_line_and_what_to_do() {
     assert!(parse(GOOD).unwrap().generate(1).is_ok());
     for (right, wrong, line, told) in [
-        ("\"foot-walk\"", "\"flight\"", 1, "unknown variant `flight`, expected `foot-walk` or `tumble`"),
+        ("\"foot-walk\"", "\"flight\"", 1, "unknown variant `flight`, expected one of `foot-walk`, `tumble`, `roadway-walk`"),
         ("\"xsens-mti-g\"", "\"xsens\"", 2, "unknown sensor \"xsens\", expected mine, ideal, adis16448,"),
         ("rate_hz = 100.0", "rate_hz = 1.0", 3, "rate_hz is 1, expected 10 to 10000 Hz"),
         ("45.8", "145.8", 4, "latitude_deg is 145.8, expected -90 to 90 degrees"),

@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod calibrate;
+mod compare;
 mod demo;
 mod eval;
 mod mine;
@@ -19,5 +20,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Eval(args) => eval::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Mine(args) => mine::run(args),
+        Verb::Compare(args) => compare::run(args),
     }
 }

@@ -4,6 +4,7 @@
 //! and says how the difference depends on the error state ([`Linearised`]). The filter never changes for a new sensor.
 
 pub mod blocks;
+pub mod dense;
 
 use adit_core::nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};

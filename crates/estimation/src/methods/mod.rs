@@ -27,13 +27,14 @@ pub mod ahrs;
 mod error;
 mod foot_input;
 pub mod foot_ins;
+pub mod ins_wifi;
 pub mod marg_ins;
 
 pub use error::{MethodError, MethodWarning};
 
 use crate::magnetic::gate::ReferenceField;
 use adit_core::solution::Solution;
-use adit_observation::{ImuSpecification, Observation};
+use adit_observation::{ImuSpecification, Observation, Site, StartPose};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt::Debug;
@@ -59,6 +60,10 @@ pub struct Known {
     pub declination_rad: Option<f64>,
     /// Norm and dip of the Earth's field at the site.
     pub field: Option<ReferenceField>,
+    /// Where the origin of the level frame lies on Earth.
+    pub site: Option<Site>,
+    /// Pose at the first inertial sample.
+    pub start: Option<StartPose>,
 }
 
 /// A method at work: observations in, solutions out, in bounded memory.
@@ -89,6 +94,23 @@ pub trait MethodReport: Clone {
 
     /// Odd things that the method met.
     fn warnings(&self) -> &[MethodWarning];
+
+    /// Normalised innovations squared of the measurements used.
+    fn nis(&self) -> Option<Nis> {
+        None
+    }
+}
+
+/// Normalised innovations squared over a run: their sum is χ² with `count · dimension` degrees of freedom when the filter is
+/// consistent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Nis {
+    /// Degrees of freedom of each.
+    pub dimension: usize,
+    /// How many.
+    pub count: u64,
+    /// Their sum.
+    pub sum: f64,
 }
 
 /// All that is fixed before the first observation, and the start of the method.

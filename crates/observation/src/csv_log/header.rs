@@ -1,5 +1,6 @@
 //! The header line: which column holds what, in which unit.
 
+use super::fix_columns::FixColumns;
 use super::units::{Gain, Quantity, TIME_UNITS};
 use crate::error::{LogError, Place};
 use crate::warning::{LogWarning, Warnings};
@@ -24,6 +25,7 @@ pub struct Header {
     pub(super) time_exponent: i32,
     /// Columns x, y, z per [`Quantity`], in the order of [`Quantity::ALL`].
     pub(super) triples: [Option<[Column; 3]>; 3],
+    pub(super) fix: Option<FixColumns>,
 }
 
 impl Header {
@@ -41,16 +43,22 @@ impl Header {
         for (triple, quantity) in triples.iter_mut().zip(Quantity::ALL) {
             *triple = find_triple(quantity, &names, &mut used, place, warnings)?;
         }
+        let fix = FixColumns::find(&names, &mut used, place)?;
         let ignored = || names.iter().zip(&used).filter(|(_, used)| !**used).map(|(name, _)| name.clone());
         if ignored().next().is_some() {
             warnings.push(LogWarning::IgnoredColumns { place: place.clone(), columns: ignored().collect() });
         }
-        Ok(Self { names, time_index, time_exponent, triples })
+        Ok(Self { names, time_index, time_exponent, triples, fix })
     }
 
     /// Whether all three axes of a quantity are there.
     pub fn has(&self, quantity: Quantity) -> bool {
         self.triples[quantity as usize].is_some()
+    }
+
+    /// Whether the log has position fixes.
+    pub fn has_fixes(&self) -> bool {
+        self.fix.is_some()
     }
 
     /// Names as written.

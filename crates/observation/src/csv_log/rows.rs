@@ -5,6 +5,7 @@ use super::table::Table;
 use super::units::Quantity;
 use crate::error::{At, LogError};
 use crate::files::Input;
+use crate::fix::PositionFix;
 use crate::warning::Warnings;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
@@ -22,6 +23,8 @@ pub struct Row {
     pub angular_rate_rad_s: Option<Vector3<f64>>,
     /// Magnetic flux density, µT, where the row has it.
     pub field_ut: Option<Vector3<f64>>,
+    /// Position from outside, where the row has it.
+    pub fix: Option<PositionFix>,
 }
 
 /// Reads a sensor log row by row, any sensor missing or not; order and units are not checked here.
@@ -62,6 +65,10 @@ impl RowReader {
                     Some(self.triple(columns)?)
                 }
                 _ => None,
+            },
+            fix: match &self.header.fix {
+                Some(columns) => columns.read(&self.table, &self.header.names, time)?,
+                None => None,
             },
         };
         Ok(Some((row, self.table.at())))

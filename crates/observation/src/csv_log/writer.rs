@@ -1,7 +1,9 @@
 use crate::error::LogError;
 use crate::files::AtomicFile;
 use crate::files::decimal::ShortSeconds;
-use crate::imu::{ImuSample, MagneticSample, Observation};
+use crate::fix::{HeightFix, PositionFix};
+use crate::imu::{ImuSample, MagneticSample};
+use crate::observation::Observation;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use std::io::{self, Write};
@@ -16,6 +18,8 @@ pub enum Sensors {
     ImuMagnetic,
     /// Magnetometer alone.
     Magnetic,
+    /// Position fixes alone, with covariance; without a height these fields are empty.
+    Fixes,
 }
 
 impl Sensors {
@@ -27,6 +31,9 @@ impl Sensors {
                 "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,mag_x_uT,mag_y_uT,mag_z_uT"
             }
             Self::Magnetic => "time_s,mag_x_uT,mag_y_uT,mag_z_uT",
+            Self::Fixes => {
+                "time_s,fix_east_m,fix_north_m,fix_cov_e_e_m2,fix_cov_e_n_m2,fix_cov_n_n_m2,fix_up_m,fix_up_sigma_m,fix_source"
+            }
         }
     }
 }
@@ -36,7 +43,8 @@ impl Sensors {
 ///
 /// Times and values are written as the shortest decimal that reads back the same, so that reading and writing a log
 /// changes nothing. A magnetic reading must share its time with the inertial sample before it
-/// ([`Sensors::ImuMagnetic`]) or have its own file ([`Sensors::Magnetic`]); MCAP takes any mixture.
+/// ([`Sensors::ImuMagnetic`]) or have its own file ([`Sensors::Magnetic`]), as position fixes do ([`Sensors::Fixes`]); MCAP
+/// takes any mixture.
 pub struct CsvLogWriter {
     file: AtomicFile,
     sensors: Sensors,
@@ -63,13 +71,28 @@ impl CsvLogWriter {
                 write_row(&mut self.file, sample.time, &[&sample.field_ut], false)
                     .map_err(|e| self.file.error(e))
             }
-            (Observation::Imu(sample), Sensors::Magnetic) => {
-                Err(self.refuse(format!("an inertial sample at {} s in a magnetic log", sample.time)))
-            }
-            (Observation::Magnetic(sample), Sensors::Imu) => {
-                Err(self.refuse(format!("a magnetic reading at {} s in an inertial log", sample.time)))
+            (Observation::Fix(fix), Sensors::Fixes) => self.push_fix(fix),
+            (other, sensors) => {
+                let (kind, time) = (other.kind(), other.time());
+                Err(self.refuse(format!("{kind:?} at {time} s in a log of {sensors:?}")))
             }
         }
+    }
+
+    fn push_fix(&mut self, fix: &PositionFix) -> Result<(), LogError> {
+        self.check(fix.time, [])?;
+        if let Some((name, found, expected)) = fix.fault() {
+            return Err(self.refuse(format!("fix at {} s: {name} is {found}, expected {expected}", fix.time)));
+        }
+        let PositionFix { level_m, covariance_m2: p, source, .. } = fix;
+        let height = match fix.height {
+            Some(HeightFix { up_m, sigma_m }) => format!("{up_m},{sigma_m}"),
+            None => ",".to_owned(),
+        };
+        let (ee, en, nn) = (p[(0, 0)], p[(0, 1)], p[(1, 1)]);
+        let (time, east, north) = (ShortSeconds(fix.time), level_m.x, level_m.y);
+        writeln!(self.file, "{time},{east},{north},{ee},{en},{nn},{height},{}", source.name())
+            .map_err(|e| self.file.error(e))
     }
 
     fn push_imu(&mut self, sample: ImuSample) -> Result<(), LogError> {

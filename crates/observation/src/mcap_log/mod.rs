@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `/imu` | `adit.v1.ImuSample` | gyro (rad/s) and accelerometer (m/s²) |
 //! | `/magnetic` | `adit.v1.MagneticSample` | magnetometer (µT) |
+//! | `/fix` | `adit.v1.PositionFix` | position from outside (m) |
 //!
 //! The schemas stand in `proto/adit/v1/`; a file carries them as a `FileDescriptorSet`, so that Foxglove and any other
 //! MCAP tool decodes it. Channels are known by schema name, whatever their topic; others are ignored with a

@@ -1,8 +1,8 @@
 use super::records::Records;
-use super::schema::{BadMessage, Kind, PROTOBUF, decode_imu, decode_magnetic};
+use super::schema::{BadMessage, PROTOBUF, decode, schema_name};
 use crate::error::{At, LogError, shown};
 use crate::files::Input;
-use crate::imu::Observation;
+use crate::observation::{Observation, ObservationKind};
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use mcap::records::{Record, op};
@@ -17,10 +17,10 @@ const TOPICS_LISTED: usize = 20;
 pub struct McapLog {
     records: Records,
     topics: Vec<String>,
-    schemas: HashMap<u16, Option<Kind>>,
-    channels: HashMap<u16, Option<Kind>>,
+    schemas: HashMap<u16, Option<ObservationKind>>,
+    channels: HashMap<u16, Option<ObservationKind>>,
     /// The topic from which each kind is taken.
-    chosen: [Option<String>; 2],
+    chosen: [Option<String>; ObservationKind::COUNT],
     ignored: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl McapLog {
             topics: topics.to_vec(),
             schemas: HashMap::new(),
             channels: HashMap::new(),
-            chosen: [const { None }; 2],
+            chosen: [const { None }; ObservationKind::COUNT],
             ignored: Vec::new(),
         }
     }
@@ -40,7 +40,8 @@ impl McapLog {
     fn declare(&mut self, record: Declaration) -> Result<(), LogError> {
         match record {
             Declaration::Schema { id, name, encoding } => {
-                let kind = Kind::ALL.into_iter().find(|k| k.schema_name() == name && encoding == PROTOBUF);
+                let known = |kind: &ObservationKind| schema_name(*kind) == name && encoding == PROTOBUF;
+                let kind = ObservationKind::ALL.into_iter().find(known);
                 self.schemas.insert(id, kind);
             }
             Declaration::Channel { id, schema_id, topic, encoding } => {
@@ -63,11 +64,11 @@ impl McapLog {
         Ok(())
     }
 
-    fn choose(&mut self, kind: Kind, topic: String) -> Result<(), LogError> {
+    fn choose(&mut self, kind: ObservationKind, topic: String) -> Result<(), LogError> {
         match &self.chosen[kind as usize] {
             Some(first) if *first != topic => Err(LogError::AmbiguousTopic {
                 place: self.records.place(),
-                kind: kind.schema_name(),
+                kind: schema_name(kind),
                 topics: vec![shown(first.as_bytes()), shown(topic.as_bytes())],
             }),
             Some(_) => Ok(()),
@@ -78,12 +79,15 @@ impl McapLog {
         }
     }
 
-    fn bad(&self, kind: Kind, bad: BadMessage) -> LogError {
+    fn bad(&self, kind: ObservationKind, bad: BadMessage) -> LogError {
         let (what, found, expected) = match bad {
-            BadMessage::Undecodable(why) => ("message".to_owned(), why, kind.schema_name().to_owned()),
+            BadMessage::Undecodable(why) => ("message".to_owned(), why, schema_name(kind).to_owned()),
             BadMessage::Missing(field) => (field.to_owned(), "nothing".to_owned(), "a value".to_owned()),
             BadMessage::NotFinite(field, value) => {
                 (field.to_owned(), value.to_string(), "a finite number".to_owned())
+            }
+            BadMessage::Unlikely(field, value, expected) => {
+                (field.to_owned(), value.to_string(), expected.to_owned())
             }
             BadMessage::Time(found) => {
                 ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
@@ -122,7 +126,7 @@ impl LogSource for McapLog {
                 Step::Declared(declaration) => self.declare(declaration)?,
                 Step::Message(_, Ok(observation)) => return Ok(Some((observation, self.records.at()))),
                 Step::Message(channel, Err(bad)) => {
-                    let kind = self.channels.get(&channel).copied().flatten().unwrap_or(Kind::Imu);
+                    let kind = self.channels.get(&channel).copied().flatten().unwrap_or(ObservationKind::Imu);
                     return Err(self.bad(kind, bad));
                 }
                 Step::Corrupt(what) => return Err(self.records.corrupt(what)),
@@ -135,7 +139,7 @@ impl LogSource for McapLog {
     }
 }
 
-fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<Kind>>) -> Step {
+fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<ObservationKind>>) -> Step {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
         return Step::Nothing;
     }
@@ -152,12 +156,7 @@ fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<Kind>>) -> Step 
             encoding: channel.message_encoding,
         }),
         Ok(Record::Message { header, data }) => match channels.get(&header.channel_id) {
-            Some(Some(Kind::Imu)) => {
-                Step::Message(header.channel_id, decode_imu(&data).map(Observation::Imu))
-            }
-            Some(Some(Kind::Magnetic)) => {
-                Step::Message(header.channel_id, decode_magnetic(&data).map(Observation::Magnetic))
-            }
+            Some(Some(kind)) => Step::Message(header.channel_id, decode(*kind, &data)),
             Some(None) => Step::Nothing,
             None => Step::Corrupt(format!("message on channel {}, which is not declared", header.channel_id)),
         },

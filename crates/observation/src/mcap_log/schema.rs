@@ -1,11 +1,14 @@
 //! Observations as protobuf messages, and the schemas that MCAP files carry so that any tool can decode them.
 
+use crate::fix::{FixSource, HeightFix, PositionFix};
 use crate::imu::{ImuSample, MagneticSample};
-use adit_core::nalgebra::Vector3;
+use crate::observation::{Observation, ObservationKind};
+use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 use adit_core::time::Time;
 use prost::Message;
 
 /// Types made by prost from `proto/adit/v1/*.proto`.
+#[expect(clippy::doc_markdown, clippy::trivially_copy_pass_by_ref, reason = "as prost writes enums")]
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/schemas.rs"));
 }
@@ -20,30 +23,21 @@ pub(super) const PROTOBUF: &str = "protobuf";
 
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
-/// What a channel carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Imu,
-    Magnetic,
+/// Full name of the protobuf message of a kind.
+pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
+    match kind {
+        ObservationKind::Imu => "adit.v1.ImuSample",
+        ObservationKind::Magnetic => "adit.v1.MagneticSample",
+        ObservationKind::Fix => "adit.v1.PositionFix",
+    }
 }
 
-impl Kind {
-    pub(super) const ALL: [Self; 2] = [Self::Imu, Self::Magnetic];
-
-    /// Full name of the protobuf message.
-    pub(super) const fn schema_name(self) -> &'static str {
-        match self {
-            Self::Imu => "adit.v1.ImuSample",
-            Self::Magnetic => "adit.v1.MagneticSample",
-        }
-    }
-
-    /// Topic written; any is read.
-    pub(super) const fn topic(self) -> &'static str {
-        match self {
-            Self::Imu => "/imu",
-            Self::Magnetic => "/magnetic",
-        }
+/// Topic written; any is read.
+pub(super) const fn topic(kind: ObservationKind) -> &'static str {
+    match kind {
+        ObservationKind::Imu => "/imu",
+        ObservationKind::Magnetic => "/magnetic",
+        ObservationKind::Fix => "/fix",
     }
 }
 
@@ -52,28 +46,53 @@ pub(super) enum BadMessage {
     Undecodable(String),
     Missing(&'static str),
     NotFinite(&'static str, f64),
+    Unlikely(&'static str, f64, &'static str),
     Time(String),
 }
 
-pub(super) fn encode_imu(sample: &ImuSample, bytes: &mut Vec<u8>) {
-    let message = message::ImuSample {
-        timestamp: Some(timestamp(sample.time)),
-        angular_rate_rad_s: Some(vector(&sample.angular_rate_rad_s)),
-        specific_force_m_s2: Some(vector(&sample.specific_force_m_s2)),
-    };
-    message.encode_raw(bytes);
+/// Appends the message of an observation.
+pub(super) fn encode(observation: &Observation, bytes: &mut Vec<u8>) {
+    let timestamp = Some(timestamp(observation.time()));
+    match observation {
+        Observation::Imu(sample) => message::ImuSample {
+            timestamp,
+            angular_rate_rad_s: Some(vector(&sample.angular_rate_rad_s)),
+            specific_force_m_s2: Some(vector(&sample.specific_force_m_s2)),
+        }
+        .encode_raw(bytes),
+        Observation::Magnetic(sample) => {
+            message::MagneticSample { timestamp, field_ut: Some(vector(&sample.field_ut)) }.encode_raw(bytes);
+        }
+        Observation::Fix(fix) => message::PositionFix {
+            timestamp,
+            east_m: Some(fix.level_m.x),
+            north_m: Some(fix.level_m.y),
+            cov_e_e_m2: Some(fix.covariance_m2[(0, 0)]),
+            cov_e_n_m2: Some(fix.covariance_m2[(0, 1)]),
+            cov_n_n_m2: Some(fix.covariance_m2[(1, 1)]),
+            up_m: fix.height.map(|height| height.up_m),
+            up_sigma_m: fix.height.map(|height| height.sigma_m),
+            source: source_to_message(fix.source).into(),
+        }
+        .encode_raw(bytes),
+    }
 }
 
-pub(super) fn encode_magnetic(sample: &MagneticSample, bytes: &mut Vec<u8>) {
-    let message = message::MagneticSample {
-        timestamp: Some(timestamp(sample.time)),
-        field_ut: Some(vector(&sample.field_ut)),
-    };
-    message.encode_raw(bytes);
+/// Reads the message of an observation.
+pub(super) fn decode(kind: ObservationKind, bytes: &[u8]) -> Result<Observation, BadMessage> {
+    match kind {
+        ObservationKind::Imu => decode_imu(bytes).map(Observation::Imu),
+        ObservationKind::Magnetic => decode_magnetic(bytes).map(Observation::Magnetic),
+        ObservationKind::Fix => decode_fix(bytes).map(Observation::Fix),
+    }
 }
 
-pub(super) fn decode_imu(bytes: &[u8]) -> Result<ImuSample, BadMessage> {
-    let message = message::ImuSample::decode(bytes).map_err(|e| BadMessage::Undecodable(e.to_string()))?;
+fn message<M: Message + Default>(bytes: &[u8]) -> Result<M, BadMessage> {
+    M::decode(bytes).map_err(|e| BadMessage::Undecodable(e.to_string()))
+}
+
+fn decode_imu(bytes: &[u8]) -> Result<ImuSample, BadMessage> {
+    let message: message::ImuSample = message(bytes)?;
     Ok(ImuSample {
         time: time(message.timestamp)?,
         angular_rate_rad_s: checked(message.angular_rate_rad_s, "angular_rate_rad_s")?,
@@ -81,10 +100,62 @@ pub(super) fn decode_imu(bytes: &[u8]) -> Result<ImuSample, BadMessage> {
     })
 }
 
-pub(super) fn decode_magnetic(bytes: &[u8]) -> Result<MagneticSample, BadMessage> {
-    let message =
-        message::MagneticSample::decode(bytes).map_err(|e| BadMessage::Undecodable(e.to_string()))?;
+fn decode_magnetic(bytes: &[u8]) -> Result<MagneticSample, BadMessage> {
+    let message: message::MagneticSample = message(bytes)?;
     Ok(MagneticSample { time: time(message.timestamp)?, field_ut: checked(message.field_ut, "field_ut")? })
+}
+
+fn decode_fix(bytes: &[u8]) -> Result<PositionFix, BadMessage> {
+    let message: message::PositionFix = message(bytes)?;
+    let source = source_from_message(message.source());
+    let height = match (message.up_m, message.up_sigma_m) {
+        (None, None) => None,
+        (up_m, sigma_m) => {
+            Some(HeightFix { up_m: number(up_m, "up_m")?, sigma_m: number(sigma_m, "up_sigma_m")? })
+        }
+    };
+    let cov_e_n = number(message.cov_e_n_m2, "cov_e_n_m2")?;
+    let fix = PositionFix {
+        time: time(message.timestamp)?,
+        level_m: Vector2::new(number(message.east_m, "east_m")?, number(message.north_m, "north_m")?),
+        covariance_m2: Matrix2::new(
+            number(message.cov_e_e_m2, "cov_e_e_m2")?,
+            cov_e_n,
+            cov_e_n,
+            number(message.cov_n_n_m2, "cov_n_n_m2")?,
+        ),
+        height,
+        source,
+    };
+    match fix.fault() {
+        None => Ok(fix),
+        Some((name, found, expected)) => Err(BadMessage::Unlikely(name, found, expected)),
+    }
+}
+
+fn source_to_message(source: FixSource) -> message::FixSource {
+    match source {
+        FixSource::Unknown => message::FixSource::Unspecified,
+        FixSource::Wifi => message::FixSource::Wifi,
+        FixSource::Uwb => message::FixSource::Uwb,
+        FixSource::Bluetooth => message::FixSource::Bluetooth,
+        FixSource::Rfid => message::FixSource::Rfid,
+        FixSource::Survey => message::FixSource::Survey,
+        FixSource::Gnss => message::FixSource::Gnss,
+    }
+}
+
+/// A source that a later version of the schema knows is unknown here.
+fn source_from_message(source: message::FixSource) -> FixSource {
+    FixSource::ALL.into_iter().find(|ours| source_to_message(*ours) == source).unwrap_or_default()
+}
+
+fn number(value: Option<f64>, name: &'static str) -> Result<f64, BadMessage> {
+    match value {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(bad) => Err(BadMessage::NotFinite(name, bad)),
+        None => Err(BadMessage::Missing(name)),
+    }
 }
 
 fn timestamp(time: Time) -> Timestamp {

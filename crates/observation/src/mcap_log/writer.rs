@@ -1,7 +1,7 @@
-use super::schema::{DESCRIPTORS, Kind, PROTOBUF, encode_imu, encode_magnetic};
+use super::schema::{DESCRIPTORS, PROTOBUF, encode, schema_name, topic};
 use crate::error::LogError;
 use crate::files::AtomicFile;
-use crate::imu::Observation;
+use crate::observation::{Observation, ObservationKind};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, McapError, WriteOptions, Writer};
@@ -25,7 +25,7 @@ pub enum Packing {
 pub struct McapLogWriter {
     writer: Writer<NoSeek<AtomicFile>>,
     target: PathBuf,
-    channels: [Option<Channel>; 2],
+    channels: [Option<Channel>; ObservationKind::COUNT],
     message: Vec<u8>,
 }
 
@@ -50,23 +50,14 @@ impl McapLogWriter {
             .disable_seeking(true)
             .create(NoSeek::new(AtomicFile::create(&target)?))
             .map_err(|e| failed(&target, e))?;
-        Ok(Self { writer, target, channels: [None; 2], message: Vec::new() })
+        Ok(Self { writer, target, channels: [None; ObservationKind::COUNT], message: Vec::new() })
     }
 
     /// Writes one observation.
     pub fn push(&mut self, observation: &Observation) -> Result<(), LogError> {
         self.message.clear();
-        let kind = match observation {
-            Observation::Imu(sample) => {
-                encode_imu(sample, &mut self.message);
-                Kind::Imu
-            }
-            Observation::Magnetic(sample) => {
-                encode_magnetic(sample, &mut self.message);
-                Kind::Magnetic
-            }
-        };
-        let channel = self.channel(kind)?;
+        encode(observation, &mut self.message);
+        let channel = self.channel(observation.kind())?;
         // MCAP's own clock has no time before its origin; the message carries the exact one.
         let log_time = u64::try_from(observation.time().nanos()).unwrap_or(0);
         let header = MessageHeader {
@@ -78,14 +69,14 @@ impl McapLogWriter {
         self.writer.write_to_known_channel(&header, &self.message).map_err(|e| failed(&self.target, e))
     }
 
-    fn channel(&mut self, kind: Kind) -> Result<Channel, LogError> {
+    fn channel(&mut self, kind: ObservationKind) -> Result<Channel, LogError> {
         let channel = if let Some(Channel { id, sequence }) = self.channels[kind as usize] {
             Channel { id, sequence: sequence.wrapping_add(1) }
         } else {
             let id = self
                 .writer
-                .add_schema(kind.schema_name(), PROTOBUF, DESCRIPTORS)
-                .and_then(|schema| self.writer.add_channel(schema, kind.topic(), PROTOBUF, &BTreeMap::new()))
+                .add_schema(schema_name(kind), PROTOBUF, DESCRIPTORS)
+                .and_then(|schema| self.writer.add_channel(schema, topic(kind), PROTOBUF, &BTreeMap::new()))
                 .map_err(|e| failed(&self.target, e))?;
             Channel { id, sequence: 0 }
         };

@@ -4,6 +4,7 @@ use super::{MagneticFieldReference, MagnetometerCalibration, Sidecar, text_of};
 use crate::error::{LogError, Place};
 use crate::files::AtomicFile;
 use crate::imu::ImuSpecification;
+use crate::start::{Site, StartPose};
 use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -75,6 +76,32 @@ impl SidecarEdit {
             ("acc_bias_walk_m_s2_sqrt_s", noise.acc_bias_walk_m_s2_sqrt_s),
         ] {
             self.set("noise", key, number(density));
+        }
+    }
+
+    /// Sets `[site]`, to the last digit.
+    pub fn set_site(&mut self, site: &Site) {
+        let values = [
+            ("latitude_deg", site.latitude_deg),
+            ("longitude_deg", site.longitude_deg),
+            ("height_m", site.height_m),
+        ];
+        for (key, value) in values {
+            self.set("site", key, Value::from(value));
+        }
+    }
+
+    /// Sets `[start]`, to the last digit.
+    pub fn set_start(&mut self, start: &StartPose) {
+        self.set("start", "position_m", array(start.position_m.into_iter().map(Value::from)));
+        self.set("start", "position_sigma_m", array(start.position_sigma_m.into_iter().map(Value::from)));
+        for (key, value) in [
+            ("heading_deg", start.heading_deg),
+            ("pitch_deg", start.pitch_deg),
+            ("roll_deg", start.roll_deg),
+            ("attitude_sigma_deg", start.attitude_sigma_deg),
+        ] {
+            self.set("start", key, Value::from(value));
         }
     }
 

@@ -29,6 +29,19 @@
 //! [magnetic_field]                       # the undisturbed field of the site
 //! norm_ut = 49.6
 //! dip_deg = 67.1                         # below the horizontal
+//!
+//! [site]                                 # origin of the level frame of position fixes and solutions
+//! latitude_deg = 45.7
+//! longitude_deg = 121.3833
+//! height_m = -320.0                      # above the ellipsoid; 0 when left out
+//!
+//! [start]                                # pose at the first inertial sample, as somebody told it
+//! position_m = [12.5, -30.0]             # east, north
+//! position_sigma_m = [2.0, 2.0]
+//! heading_deg = 91.0                     # of the body's x axis, clockwise from north
+//! pitch_deg = 0.0                        # of the same axis, above the horizon; 0 when left out
+//! roll_deg = 0.0                         # left side up; 0 when left out
+//! attitude_sigma_deg = 0.6
 //! ```
 //!
 //! The body frame is x forward, y left, z up. The log reader applies `rotation`, `acceleration` and `[magnetometer]` to
@@ -38,13 +51,16 @@
 mod edit;
 mod magnetometer;
 mod rotation;
+mod start;
 
 pub use edit::SidecarEdit;
 pub use magnetometer::{MagneticFieldReference, MagnetometerCalibration};
 pub use rotation::MountingRotation;
 
 use crate::error::{At, LogError, Place};
-use crate::imu::{ImuSpecification, Observation};
+use crate::imu::ImuSpecification;
+use crate::observation::Observation;
+use crate::start::{Site, StartPose};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use std::io::Read;
@@ -76,6 +92,12 @@ pub struct Sidecar {
     /// The undisturbed field where the log was made.
     #[serde(default)]
     pub magnetic_field: MagneticFieldReference,
+    /// Origin of the level frame.
+    #[serde(default, deserialize_with = "start::site")]
+    pub site: Option<Site>,
+    /// Pose at the first inertial sample.
+    #[serde(default, deserialize_with = "start::pose")]
+    pub start: Option<StartPose>,
 }
 
 /// Where and how the sensor sits.
@@ -197,6 +219,8 @@ impl Sidecar {
                 sample.field_ut = turn(field_ut);
                 Observation::Magnetic(sample)
             }
+            // No reading of the tag: its mounting does not matter.
+            Observation::Fix(fix) => Observation::Fix(fix),
         }
     }
 }

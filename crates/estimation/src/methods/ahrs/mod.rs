@@ -100,6 +100,7 @@ impl Ahrs {
                 }
                 self.latest = Some(imu.time);
             }
+            Observation::Fix(_) => return Ok(None),
             Observation::Magnetic(magnetic) if !finite(&magnetic.field_ut) => return Ok(None),
             // Before the first inertial sample there is nothing to hold a field against.
             Observation::Magnetic(_) if self.latest.is_none() => return Ok(None),
@@ -164,6 +165,7 @@ impl Ahrs {
             match observation {
                 Observation::Imu(imu) => alignment.observe_imu(imu),
                 Observation::Magnetic(magnetic) => alignment.observe_magnetic(magnetic),
+                Observation::Fix(_) => {}
             }
         }
         let aligned = alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
@@ -203,6 +205,7 @@ impl Ahrs {
                 }
                 Ok(None)
             }
+            Observation::Fix(_) => Ok(None),
             Observation::Imu(imu) => {
                 let interval_s = self.time.map_or(0.0, |time| (imu.time - time).seconds());
                 self.time = Some(imu.time);

@@ -1,7 +1,7 @@
 //! `foot-ins` as one of the methods.
 
 use super::{FixedLag, FootIns, FootInsParams, FootInsReport, NAME, smooth};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning};
+use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -99,5 +99,10 @@ impl MethodReport for FootInsReport {
 
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
+    }
+
+    fn nis(&self) -> Option<Nis> {
+        let (count, sum) = (self.accepted_updates, self.accepted_nis_sum);
+        (count > 0).then_some(Nis { dimension: 3, count, sum })
     }
 }

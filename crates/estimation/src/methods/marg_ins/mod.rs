@@ -98,6 +98,7 @@ impl MargIns {
         let Self { params, input, filter, report } = self;
         match observation {
             Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
+            Observation::Fix(_) => Ok(None),
             Observation::Magnetic(magnetic) => {
                 let aligning = input.align_with(magnetic);
                 if let (Some(filter), false) = (filter, aligning) {

@@ -1,0 +1,94 @@
+//! One method on one run.
+
+use super::trials::Trial;
+use crate::config;
+use crate::method::{self, with_settings};
+use crate::scenario_file::Contender;
+use adit_core::solution::Solution;
+use adit_core::trajectory::Trajectory;
+use adit_estimation::methods::{Method, MethodError, MethodReport, MethodSettings, Nis};
+use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
+use adit_evaluation::evaluate::trajectory;
+use adit_observation::Observation;
+use anyhow::{Context, Result, bail};
+use std::time::Instant;
+
+/// What came of it.
+#[derive(Clone)]
+pub struct Entered {
+    /// Errors, NIS, time; none where the method gave up on the way.
+    pub outcome: Option<RunOutcome>,
+    /// Odd things that the method met.
+    pub warnings: Vec<String>,
+}
+
+/// Runs a contender over a trial and judges it; its path comes along where it has one.
+///
+/// Settings that cannot be used are an error; a method that cannot go on with this run has failed it, with a warning.
+pub fn enter(
+    trial: &Trial,
+    contender: &Contender,
+    options: &RunOptions,
+) -> Result<(Entered, Option<Trajectory>)> {
+    let place = || format!("{}: {}", contender.name, trial.name);
+    let driven = with_settings!(contender.method, S => drive::<S>(trial, contender)).with_context(place)?;
+    let driven = match driven {
+        Ok(driven) => driven,
+        Err(error) => {
+            let warnings = vec![format!("{}: {error}", place())];
+            return Ok((Entered { outcome: None, warnings }, None));
+        }
+    };
+    let errors = run_errors(&driven.solutions, &trial.truth, options).with_context(place)?;
+    let path = options.positions.then(|| trajectory(&driven.solutions)).transpose()?;
+    let nis = driven.nis.map(|Nis { dimension, count, sum }| (dimension, count, sum));
+    let outcome = RunOutcome { errors, nis, time_per_step_ns: driven.time_per_step_ns };
+    let warnings = driven.warnings.iter().map(|warning| format!("{}: {warning}", contender.name)).collect();
+    Ok((Entered { outcome: Some(outcome), warnings }, path))
+}
+
+struct Driven {
+    solutions: Vec<Solution>,
+    nis: Option<Nis>,
+    warnings: Vec<String>,
+    time_per_step_ns: f64,
+}
+
+fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Result<Driven, MethodError>> {
+    let settings: S =
+        config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
+    let samples = trial.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
+    if samples == 0 {
+        bail!("no inertial samples, expected some");
+    }
+    let method = settings.start()?;
+    Ok(run(method, &trial.observations, samples))
+}
+
+/// The whole log through a method.
+fn run<R: MethodReport>(
+    mut method: Box<dyn Method<Report = R>>,
+    observations: &[Observation],
+    samples: usize,
+) -> Result<Driven, MethodError> {
+    let mut solutions = Vec::with_capacity(samples);
+    let clock = Instant::now();
+    for observation in observations {
+        let mut solution = method.observe(observation)?;
+        while let Some(now) = solution {
+            solutions.push(now);
+            solution = method.next_due()?;
+        }
+    }
+    while let Some(last) = method.finish_next()? {
+        solutions.push(last);
+    }
+    let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
+    let report = method.report();
+    Ok(Driven {
+        solutions,
+        nis: report.nis(),
+        warnings: method::warnings(report.warnings()),
+        time_per_step_ns: elapsed_ns / samples as f64,
+    })
+}

@@ -1,0 +1,187 @@
+//! One run of one method against its truth.
+
+use super::GRID_S;
+use crate::EvaluationError;
+use crate::alignment::{Alignment, RigidMotion, align};
+use crate::association::{Association, associate};
+use crate::consistency::normalised_squared_error;
+use crate::evaluate::trajectory;
+use adit_core::solution::Solution;
+use adit_core::time::Time;
+use adit_core::trajectory::{Pose, Trajectory};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector1, Vector3};
+
+/// Number of NEES parts: position, velocity, heading, all.
+pub(super) const PARTS: usize = 4;
+/// Dimension of each.
+pub(super) const DIMENSIONS: [usize; PARTS] = [2, 2, 1, 5];
+
+/// Truth at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueState {
+    /// Pose of the body.
+    pub pose: Pose,
+    /// Velocity, m/s, where it is known.
+    pub velocity_m_s: Option<Vector3<f64>>,
+}
+
+/// How a run is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunOptions {
+    /// What is taken away before errors are taken.
+    pub alignment: Alignment,
+    /// Judged from this time after the first truth on, s.
+    pub from_s: f64,
+    /// The method estimates positions and velocities, not attitude alone.
+    pub positions: bool,
+    /// The truth has attitudes.
+    pub attitudes: bool,
+}
+
+/// Errors of one run at its judged moments, estimate minus truth. Single precision: it is the errors that are kept.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RunErrors {
+    /// Time since the first truth, s.
+    pub time_s: Vec<f32>,
+    /// East and north, m; empty without positions.
+    pub level_m: Vec<[f32; 2]>,
+    /// Heading, deg; empty without attitudes.
+    pub heading_deg: Vec<f32>,
+    /// Horizontal velocity, m/s; empty where the truth has none.
+    pub velocity_m_s: Vec<f32>,
+    /// NEES of position, velocity, heading, all; NaN where it is not given.
+    pub nees: Vec<[f32; PARTS]>,
+}
+
+/// Judges the solutions of a run.
+pub fn run_errors(
+    solutions: &[Solution],
+    truth: &[TrueState],
+    options: &RunOptions,
+) -> Result<RunErrors, EvaluationError> {
+    let path = Trajectory::new(truth.iter().map(|state| state.pose).collect())?;
+    let motion = motion(solutions, &path, options)?;
+    let Some(first) = truth.first().map(|state| state.pose.time) else {
+        return Err(EvaluationError::TooFewPoses { what: "the truth", found: 0, expected: 1 });
+    };
+    let mut errors = RunErrors::default();
+    let mut next_s = options.from_s;
+    for solution in solutions {
+        let since_s = (solution.time - first).seconds();
+        // Half a microsecond, for a grid that is no multiple of the sampling interval.
+        if since_s < next_s - 5e-7 {
+            continue;
+        }
+        let Some(pose) = path.at(solution.time) else { continue };
+        next_s = since_s + GRID_S;
+        errors.push(since_s, solution, &pose, velocity_at(truth, solution.time), &motion, options);
+    }
+    if errors.time_s.is_empty() {
+        return Err(EvaluationError::TooFewPoses {
+            what: "the judged part of the run",
+            found: 0,
+            expected: 1,
+        });
+    }
+    Ok(errors)
+}
+
+fn motion(
+    solutions: &[Solution],
+    path: &Trajectory,
+    options: &RunOptions,
+) -> Result<RigidMotion, EvaluationError> {
+    if options.alignment == Alignment::None || !options.positions {
+        return Ok(RigidMotion::identity());
+    }
+    let pairs = associate(&trajectory(solutions)?, path, &Association::default())?.pairs;
+    align(&pairs, options.alignment, 1.0)
+}
+
+/// Velocity of the truth, linear between its states.
+fn velocity_at(truth: &[TrueState], time: Time) -> Option<Vector3<f64>> {
+    let after = truth.partition_point(|state| state.pose.time < time);
+    let next = truth.get(after)?;
+    if next.pose.time == time {
+        return next.velocity_m_s;
+    }
+    let previous = truth.get(after.checked_sub(1)?)?;
+    let share = (time - previous.pose.time).seconds() / (next.pose.time - previous.pose.time).seconds();
+    Some(previous.velocity_m_s?.lerp(&next.velocity_m_s?, share))
+}
+
+impl RunErrors {
+    fn push(
+        &mut self,
+        since_s: f64,
+        solution: &Solution,
+        truth: &Pose,
+        velocity_m_s: Option<Vector3<f64>>,
+        motion: &RigidMotion,
+        options: &RunOptions,
+    ) {
+        let turn = motion.rotation.to_rotation_matrix().into_inner();
+        let position = (motion.position(&solution.position_m) - truth.position_m).xy();
+        let velocity = velocity_m_s.map(|v| (turn * solution.velocity_m_s - v).xy());
+        let off = (motion.rotation * solution.attitude) * truth.attitude.inverse();
+        // Compass heading: clockwise.
+        let heading = -2.0 * f64::atan(off.k / off.w);
+        let none = f32::NAN;
+        let mut nees = [none; PARTS];
+        self.time_s.push(single(since_s));
+        if options.positions {
+            self.level_m.push([single(position.x), single(position.y)]);
+            if let Some(velocity) = velocity {
+                self.velocity_m_s.push(single(velocity.norm()));
+            }
+        }
+        if options.attitudes {
+            self.heading_deg.push(single(heading.to_degrees()));
+        }
+        let joint = joint_covariance(solution, &turn);
+        let level = |row: usize| -> Matrix2<f64> { joint.fixed_view::<2, 2>(row, row).into_owned() };
+        if options.positions {
+            nees[0] = normalised(&position, &level(0));
+        }
+        if let Some(velocity) = velocity.filter(|_| options.positions) {
+            nees[1] = normalised(&velocity, &level(2));
+            if options.attitudes {
+                let error = SVector::<f64, 5>::new(position.x, position.y, velocity.x, velocity.y, -heading);
+                nees[3] = normalised(&error, &joint);
+            }
+        }
+        if options.attitudes {
+            nees[2] = normalised(&Vector1::new(heading), &SMatrix::<f64, 1, 1>::new(joint[(4, 4)]));
+        }
+        self.nees.push(nees);
+    }
+
+    /// Horizontal distances, m.
+    pub fn horizontal_m(&self) -> impl Iterator<Item = f64> + '_ {
+        self.level_m.iter().map(|[east, north]| f64::from(east.hypot(*north)))
+    }
+}
+
+/// Covariance of east, north, their velocities and the turn about the vertical.
+fn joint_covariance(solution: &Solution, turn: &Matrix3<f64>) -> SMatrix<f64, 5, 5> {
+    let mut turns = SMatrix::<f64, 9, 9>::zeros();
+    for block in [0, 3, 6] {
+        turns.fixed_view_mut::<3, 3>(block, block).copy_from(turn);
+    }
+    let turned = turns * solution.covariance * turns.transpose();
+    let at = [0, 1, 3, 4, 8];
+    SMatrix::from_fn(|row, column| turned[(at[row], at[column])])
+}
+
+/// NEES, or NaN where the covariance is not given or cannot be inverted.
+fn normalised<const N: usize>(error: &SVector<f64, N>, covariance: &SMatrix<f64, N, N>) -> f32 {
+    if !covariance.diagonal().iter().all(|variance| *variance > 0.0) {
+        return f32::NAN;
+    }
+    normalised_squared_error(error, covariance).map_or(f32::NAN, single)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "errors are kept in single precision")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
