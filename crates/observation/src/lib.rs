@@ -34,9 +34,14 @@
 //! complete, so that none is ever left half written.
 #![cfg_attr(not(feature = "std"), no_std)]
 
+extern crate alloc;
+
+mod device;
 mod fix;
 mod imu;
 mod observation;
+mod pressure;
+mod radio;
 mod start;
 
 #[cfg(feature = "std")]
@@ -70,11 +75,14 @@ mod warning;
 
 #[cfg(feature = "std")]
 pub use error::{At, LogError, Place};
+pub use device::DeviceId;
 pub use fix::{FixSource, HeightFix, PositionFix};
 pub use imu::{ImuSample, ImuSpecification, MagneticSample};
 #[cfg(feature = "std")]
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
 pub use observation::{Observation, ObservationKind};
+pub use pressure::PressureSample;
+pub use radio::{ImpulseResponse, Radio, RangeSample, Reception, Sighting, SignalStrength};
 #[cfg(feature = "std")]
 pub use sensor_rows::SensorRows;
 #[cfg(feature = "std")]

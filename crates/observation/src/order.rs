@@ -30,7 +30,7 @@ pub struct Ordered<S> {
 impl<S: LogSource> Ordered<S> {
     /// Checks the order of `source`.
     pub fn new(source: S, gap_limit: Interval) -> Self {
-        Self { source, gap_limit, latest: None, latest_of: [None; ObservationKind::COUNT] }
+        Self { source, gap_limit, latest: None, latest_of: [const { None }; ObservationKind::COUNT] }
     }
 
     /// The gap from which on a warning is given.
@@ -50,8 +50,8 @@ impl<S: LogSource> LogSource for Ordered<S> {
                 return Err(LogError::TimeBackwards { place, found: time, before });
             }
             let kind = observation.kind();
-            let before = self.latest_of[kind as usize].replace(observation);
-            if before.is_some_and(|before| repeats(&before, &observation)) {
+            let before = self.latest_of[kind as usize].replace(observation.clone());
+            if before.as_ref().is_some_and(|before| repeats(before, &observation)) {
                 warnings.repeated(self.source.file(), at);
                 continue;
             }

@@ -83,7 +83,7 @@ impl<S: LogSource> UnitChecked<S> {
         let samples = || {
             self.queue.iter().filter_map(|(observation, _)| match observation {
                 Observation::Imu(sample) => Some(sample),
-                Observation::Magnetic(_) | Observation::Fix(_) => None,
+                _ => None,
             })
         };
         let quiet = samples().filter(|s| s.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S).map(force);

@@ -100,7 +100,7 @@ impl SensorRows {
                 let place = Place::new(&self.file, at);
                 return Err(LogError::TimeBackwards { place, found: row.time, before });
             }
-            let [inertial, magnetic, fixed] = &mut self.latest_of;
+            let [inertial, magnetic, _, fixed, ..] = &mut self.latest_of;
             let mut repeated = false;
             let has_inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
             if has_inertial && inertial.replace(row.time) == Some(row.time) {
@@ -135,6 +135,7 @@ fn row(observation: &Observation) -> Row {
         }
         Observation::Magnetic(sample) => row.field_ut = Some(sample.field_ut),
         Observation::Fix(fix) => row.fix = Some(*fix),
+        _ => {}
     }
     row
 }

@@ -29,6 +29,10 @@ pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
         ObservationKind::Imu => "adit.v1.ImuSample",
         ObservationKind::Magnetic => "adit.v1.MagneticSample",
         ObservationKind::Fix => "adit.v1.PositionFix",
+        ObservationKind::Pressure => "adit.v1.PressureSample",
+        ObservationKind::Signal => "adit.v1.SignalStrength",
+        ObservationKind::Range => "adit.v1.RangeSample",
+        ObservationKind::Sighting => "adit.v1.Sighting",
     }
 }
 
@@ -38,6 +42,10 @@ pub(super) const fn topic(kind: ObservationKind) -> &'static str {
         ObservationKind::Imu => "/imu",
         ObservationKind::Magnetic => "/magnetic",
         ObservationKind::Fix => "/fix",
+        ObservationKind::Pressure => "/pressure",
+        ObservationKind::Signal => "/signal",
+        ObservationKind::Range => "/range",
+        ObservationKind::Sighting => "/sighting",
     }
 }
 
@@ -75,6 +83,7 @@ pub(super) fn encode(observation: &Observation, bytes: &mut Vec<u8>) {
             source: source_to_message(fix.source).into(),
         }
         .encode_raw(bytes),
+        _ => {} // WIP
     }
 }
 
@@ -84,6 +93,7 @@ pub(super) fn decode(kind: ObservationKind, bytes: &[u8]) -> Result<Observation,
         ObservationKind::Imu => decode_imu(bytes).map(Observation::Imu),
         ObservationKind::Magnetic => decode_magnetic(bytes).map(Observation::Magnetic),
         ObservationKind::Fix => decode_fix(bytes).map(Observation::Fix),
+        _ => Err(BadMessage::Missing("WIP")),
     }
 }
 

@@ -220,7 +220,7 @@ impl Sidecar {
                 Observation::Magnetic(sample)
             }
             // No reading of the tag: its mounting does not matter.
-            Observation::Fix(fix) => Observation::Fix(fix),
+            other => other,
         }
     }
 }

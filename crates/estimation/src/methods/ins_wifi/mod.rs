@@ -171,7 +171,7 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
                 self.take(fix);
                 Ok(None)
             }
-            Observation::Magnetic(_) => Ok(None),
+            _ => Ok(None),
         }
     }
 
