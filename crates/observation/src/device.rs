@@ -1,6 +1,7 @@
 //! Who sent, who measured: names of devices.
 
 use alloc::sync::Arc;
+use core::borrow::Borrow;
 use core::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -23,6 +24,13 @@ impl DeviceId {
 
     /// As text.
     pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+/// Hashes and compares as its text does.
+impl Borrow<str> for DeviceId {
+    fn borrow(&self) -> &str {
         &self.0
     }
 }

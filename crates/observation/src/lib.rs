@@ -55,6 +55,8 @@ mod log;
 #[cfg(feature = "std")]
 pub mod mcap_log;
 #[cfg(feature = "std")]
+mod names;
+#[cfg(feature = "std")]
 pub mod order;
 #[cfg(feature = "std")]
 pub mod plausibility;

@@ -1,12 +1,13 @@
 //! What a log holds: one [`Observation`] after the other, each of one kind of sensor.
 //!
-//! A further kind is a type of its own with a time, a variant here, a column group in
-//! `csv_log`, a message in `proto/` and an arm in `mcap_log::schema`; order, gaps and merging know kinds only.
+//! A further kind is a type of its own with a time and a `fault()`, a variant here, a column group in
+//! `csv_log`, a message in `proto/` and an arm in `mcap_log::messages`; order, gaps and merging know kinds only.
 
 use crate::fix::PositionFix;
 use crate::imu::{ImuSample, MagneticSample};
 use crate::pressure::PressureSample;
 use crate::radio::{RangeSample, Sighting, SignalStrength};
+use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 
@@ -75,6 +76,29 @@ impl Observation {
             Self::Sighting(_) => ObservationKind::Sighting,
         }
     }
+
+    /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
+    ///
+    /// Every value of an inertial or magnetic sample that is finite may be one; a sighting has none.
+    pub fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
+        let vectors = match self {
+            Self::Imu(sample) => [
+                ("angular_rate_rad_s", &sample.angular_rate_rad_s),
+                ("specific_force_m_s2", &sample.specific_force_m_s2),
+            ],
+            Self::Magnetic(sample) => [("field_ut", &sample.field_ut); 2],
+            Self::Pressure(sample) => return sample.fault(),
+            Self::Fix(fix) => return fix.fault(),
+            Self::Signal(signal) => return signal.fault(),
+            Self::Range(range) => return range.fault(),
+            Self::Sighting(_) => return None,
+        };
+        let odd = |(name, vector): (&'static str, &Vector3<f64>)| {
+            let odd = vector.iter().find(|value| !value.is_finite())?;
+            Some((name, *odd, "a finite number"))
+        };
+        vectors.into_iter().find_map(odd)
+    }
 }
 
 impl ObservationKind {
@@ -83,4 +107,9 @@ impl ObservationKind {
     /// All of them.
     pub const ALL: [Self; Self::COUNT] =
         [Self::Imu, Self::Magnetic, Self::Pressure, Self::Fix, Self::Signal, Self::Range, Self::Sighting];
+
+    /// Whether the tag itself says it, by its own clock and in order; the others come by radio, and may come late.
+    pub const fn is_wired(self) -> bool {
+        matches!(self, Self::Imu | Self::Magnetic | Self::Pressure)
+    }
 }

@@ -4,6 +4,7 @@ use crate::device::DeviceId;
 use adit_core::time::Time;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
+use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 /// Signal strength of one transmitter, heard by the tag (or of the tag, heard by one receiver).
@@ -97,6 +98,70 @@ pub struct Sighting {
     pub reader: DeviceId,
 }
 
+/// A fault of a quantity: its name, its value, what is expected.
+type Fault = (&'static str, f64, &'static str);
+
+/// Powers a receiver tells, dBm: from below the thermal noise of 1 Hz (−174 dBm) to more than a transmitter may send.
+const POWER_DBM: RangeInclusive<f64> = -200.0..=50.0;
+
+impl SignalStrength {
+    /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
+    ///
+    /// Scans mark what they did not hear by values such as +100: no power of a received signal.
+    pub fn fault(&self) -> Option<Fault> {
+        let possible = POWER_DBM.contains(&self.rssi_dbm);
+        (!possible).then_some(("rssi_dbm", self.rssi_dbm, "-200 to 50 dBm"))
+    }
+}
+
+impl RangeSample {
+    /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
+    ///
+    /// Noise and antenna delay make short ranges negative by metres, never by more than a kilometre (the light of 3.3 µs); and no ranging
+    /// radio reaches 1,000 km.
+    pub fn fault(&self) -> Option<Fault> {
+        let checks = [
+            ("range_m", Some(self.range_m), -1e3..=1e6, "-1,000 to 1,000,000 m"),
+            ("range_sigma_m", self.sigma_m, 1e-6..=1e6, "1 µm to 1,000 km"),
+            ("line_of_sight", self.line_of_sight, 0.0..=1.0, "a probability, 0 to 1"),
+        ];
+        first_outside(checks).or_else(|| self.reception.as_deref()?.fault())
+    }
+}
+
+impl Reception {
+    /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
+    pub fn fault(&self) -> Option<Fault> {
+        const TAPS: RangeInclusive<f64> = 0.0..=ImpulseResponse::MOST_TAPS as f64;
+        const AMPLITUDE: RangeInclusive<f64> = 0.0..=f32::MAX as f64;
+        let (power, tap, amplitude) =
+            ("-200 to 50 dBm", "0 to 1016, the taps of the accumulator", "an amplitude: a finite number, 0 or more");
+        let wide = |value: Option<f32>| value.map(f64::from);
+        let [first, second, third] = self.first_path_amplitudes.map_or([None; 3], |a| a.map(Some));
+        let checks = [
+            ("rx_power_dbm", wide(self.rx_power_dbm), POWER_DBM, power),
+            ("first_path_power_dbm", wide(self.first_path_power_dbm), POWER_DBM, power),
+            ("first_path_index_tap", wide(self.first_path_index_tap), TAPS, tap),
+            ("peak_index_tap", wide(self.peak_index_tap), TAPS, tap),
+            ("first_path_amp1", wide(first), AMPLITUDE, amplitude),
+            ("first_path_amp2", wide(second), AMPLITUDE, amplitude),
+            ("first_path_amp3", wide(third), AMPLITUDE, amplitude),
+            ("noise_std", wide(self.noise_std), AMPLITUDE, amplitude),
+            ("noise_max", wide(self.noise_max), AMPLITUDE, amplitude),
+        ];
+        first_outside(checks).or_else(|| self.impulse_response.as_ref()?.fault())
+    }
+}
+
+fn first_outside<const N: usize>(
+    checks: [(&'static str, Option<f64>, RangeInclusive<f64>, &'static str); N],
+) -> Option<Fault> {
+    checks.into_iter().find_map(|(name, value, possible, expected)| {
+        let value = value?;
+        (!possible.contains(&value)).then_some((name, value, expected))
+    })
+}
+
 impl Radio {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Unknown, Self::Wifi, Self::Ble, Self::Uwb];
@@ -122,4 +187,15 @@ impl ImpulseResponse {
     pub const TAP_NS: f64 = 1e3 / (2.0 * 499.2);
     /// Taps of a DW1000's accumulator at a pulse repetition frequency of 64 MHz.
     pub const MOST_TAPS: usize = 1016;
+
+    /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
+    pub fn fault(&self) -> Option<Fault> {
+        let (count, first) = (self.taps.len(), usize::from(self.first_tap));
+        if !(1..=Self::MOST_TAPS).contains(&count) {
+            return Some(("impulse_response taps", count as f64, "1 to 1016"));
+        }
+        let room = Self::MOST_TAPS - count;
+        let expected = "one that leaves room for all taps in an accumulator of 1016";
+        (first > room).then_some(("impulse_response first_tap", first as f64, expected))
+    }
 }

@@ -102,12 +102,24 @@ impl Table {
 
     #[inline]
     pub(crate) fn number(&self, index: usize, names: &[String]) -> Result<f64, LogError> {
+        parse_number(self.field(index)).map_err(|_| self.not_a_number(index, names))
+    }
+
+    /// A number of single precision, rounded once.
+    #[inline]
+    pub(crate) fn single(&self, index: usize, names: &[String]) -> Result<f32, LogError> {
         let field = self.field(index);
-        parse_number(field).map_err(|_| LogError::NotANumber {
+        let number = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f32>().ok());
+        number.filter(|value| value.is_finite()).ok_or_else(|| self.not_a_number(index, names))
+    }
+
+    #[cold]
+    pub(super) fn not_a_number(&self, index: usize, names: &[String]) -> LogError {
+        LogError::NotANumber {
             place: self.place(),
             column: names.get(index).cloned().unwrap_or_default(),
-            found: shown(field),
-        })
+            found: shown(self.field(index)),
+        }
     }
 
     #[inline]

@@ -219,7 +219,7 @@ impl Sidecar {
                 sample.field_ut = turn(field_ut);
                 Observation::Magnetic(sample)
             }
-            // No reading of the tag: its mounting does not matter.
+            // What has no axes: the mounting does not matter.
             other => other,
         }
     }
