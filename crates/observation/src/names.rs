@@ -13,7 +13,8 @@ pub(crate) struct Names {
 }
 
 /// What a name is, for an error.
-pub(crate) const EXPECTED_NAME: &str = "a name of a device: 1 to 64 bytes, no blanks around, no control characters";
+pub(crate) const EXPECTED_NAME: &str =
+    "a name of a device: 1 to 64 bytes, no blanks around, no control characters";
 
 impl Names {
     /// The device of this name; `None` when no device can have it.

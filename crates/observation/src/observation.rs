@@ -64,6 +64,21 @@ impl Observation {
         }
     }
 
+    /// The same, said at another time.
+    #[must_use]
+    pub fn at(mut self, time: Time) -> Self {
+        *match &mut self {
+            Self::Imu(sample) => &mut sample.time,
+            Self::Magnetic(sample) => &mut sample.time,
+            Self::Pressure(sample) => &mut sample.time,
+            Self::Fix(fix) => &mut fix.time,
+            Self::Signal(signal) => &mut signal.time,
+            Self::Range(range) => &mut range.time,
+            Self::Sighting(sighting) => &mut sighting.time,
+        } = time;
+        self
+    }
+
     /// Of what kind it is.
     pub fn kind(&self) -> ObservationKind {
         match self {

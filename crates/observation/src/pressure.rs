@@ -20,6 +20,10 @@ impl PressureSample {
     /// chamber, a breathing apparatus.
     pub fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
         let possible = (1e3..=2e5).contains(&self.pressure_pa);
-        (!possible).then_some(("pressure_pa", self.pressure_pa, "1,000 to 200,000 Pa (1,013.25 hPa are 101,325 Pa)"))
+        (!possible).then_some((
+            "pressure_pa",
+            self.pressure_pa,
+            "1,000 to 200,000 Pa (1,013.25 hPa are 101,325 Pa)",
+        ))
     }
 }

@@ -134,8 +134,11 @@ impl Reception {
     pub fn fault(&self) -> Option<Fault> {
         const TAPS: RangeInclusive<f64> = 0.0..=ImpulseResponse::MOST_TAPS as f64;
         const AMPLITUDE: RangeInclusive<f64> = 0.0..=f32::MAX as f64;
-        let (power, tap, amplitude) =
-            ("-200 to 50 dBm", "0 to 1016, the taps of the accumulator", "an amplitude: a finite number, 0 or more");
+        let (power, tap, amplitude) = (
+            "-200 to 50 dBm",
+            "0 to 1016, the taps of the accumulator",
+            "an amplitude: a finite number, 0 or more",
+        );
         let wide = |value: Option<f32>| value.map(f64::from);
         let [first, second, third] = self.first_path_amplitudes.map_or([None; 3], |a| a.map(Some));
         let checks = [

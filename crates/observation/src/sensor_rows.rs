@@ -52,15 +52,7 @@ impl SensorRows {
         } else {
             Source::Csv(Box::new(RowReader::new(input, &mut warnings)?))
         };
-        Ok(Self {
-            source,
-            file,
-            warnings,
-            progress,
-            latest: None,
-            latest_of: [None; 3],
-            ended: false,
-        })
+        Ok(Self { source, file, warnings, progress, latest: None, latest_of: [None; 3], ended: false })
     }
 
     /// What was odd so far; complete once the iterator has ended.

@@ -98,8 +98,7 @@ impl RangeColumns {
         let mut push = |range: &Column, anchor, line_of_sight, reception| {
             let range_m = range.gain.apply(table.number(range.index, columns)?);
             let tag = tag.clone();
-            let range =
-                RangeSample { time, anchor, tag, range_m, sigma_m, line_of_sight, radio, reception };
+            let range = RangeSample { time, anchor, tag, range_m, sigma_m, line_of_sight, radio, reception };
             into.push_back(possible(Observation::Range(range), table)?);
             Ok(())
         };
@@ -123,7 +122,9 @@ fn each_anchor(finder: &Finder) -> Result<Vec<(Column, DeviceId)>, LogError> {
         let Some((name, unit)) = column.strip_prefix("range_").and_then(|rest| rest.rsplit_once('_')) else {
             continue;
         };
-        let Some(Unit { gain, .. }) = Unit::of(&RANGE_UNITS, unit).filter(|_| column != SIGMA) else { continue };
+        let Some(Unit { gain, .. }) = Unit::of(&RANGE_UNITS, unit).filter(|_| column != SIGMA) else {
+            continue;
+        };
         let Some(anchor) = DeviceId::new(name) else {
             return Err(LogError::BadValue {
                 place: finder.place.clone(),

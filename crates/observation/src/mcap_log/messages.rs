@@ -75,11 +75,7 @@ impl Messages {
     }
 
     /// Reads the message of an observation.
-    pub(super) fn decode(
-        &mut self,
-        kind: ObservationKind,
-        bytes: &[u8],
-    ) -> Result<Observation, BadMessage> {
+    pub(super) fn decode(&mut self, kind: ObservationKind, bytes: &[u8]) -> Result<Observation, BadMessage> {
         let observation = match kind {
             ObservationKind::Imu => Observation::Imu(decode_imu(bytes)?),
             ObservationKind::Magnetic => Observation::Magnetic(decode_magnetic(bytes)?),

@@ -60,7 +60,8 @@ impl McapLogWriter {
     pub fn push(&mut self, observation: &Observation) -> Result<(), LogError> {
         if let Some((name, found, expected)) = observation.fault() {
             let time = observation.time();
-            let what = format!("{:?} at {time} s: {name} is {found}, expected {expected}", observation.kind());
+            let what =
+                format!("{:?} at {time} s: {name} is {found}, expected {expected}", observation.kind());
             return Err(LogError::CannotWrite { file: self.target.clone(), what });
         }
         self.message.clear();
