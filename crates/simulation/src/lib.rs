@@ -13,6 +13,8 @@
 //! 6. [`MagneticWorld`]: the Earth's field, steel that stands or moves, cables;
 //! 7. [`Magnetometer`]: what a real one makes of that field.
 //!
+//! [`radio`] is what radios say in a mine: signal strengths, ranges, channel impulse responses.
+//!
 //! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
 //!
 //! [`generate_marg`] adds the last two to a walk, [`Generator::with_magnetometer`] to any motion. Frames are those of
@@ -34,6 +36,7 @@ pub mod magnetic;
 pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
+pub mod radio;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
@@ -47,6 +50,7 @@ pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
 pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
+pub use radio::{RadioSpec, RadioWorld, Tag};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };
