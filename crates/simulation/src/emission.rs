@@ -1,6 +1,7 @@
 //! What comes out of a simulation: one sample after the other, each with its truth.
 
 use crate::marg::MagneticTruth;
+use crate::radio::delivery::Stamped;
 use crate::radio::{RangeOutcome, RangeTruth};
 use crate::scenario::TruthState;
 use adit_core::nalgebra::Vector3;
@@ -41,9 +42,10 @@ impl Emission {
             Self::Sighting(sighting) => Observation::Sighting(sighting.clone()),
         }
     }
+}
 
-    /// Its stamp.
-    pub fn time(&self) -> Time {
+impl Stamped for Emission {
+    fn time(&self) -> Time {
         match self {
             Self::Imu(sample, _) => sample.time,
             Self::Magnetic(sample, _) => sample.time,
@@ -55,9 +57,7 @@ impl Emission {
         }
     }
 
-    /// The same with another stamp.
-    #[must_use]
-    pub fn stamped(mut self, stamp: Time) -> Self {
+    fn stamped(mut self, stamp: Time) -> Self {
         let time = match &mut self {
             Self::Imu(sample, _) => &mut sample.time,
             Self::Magnetic(sample, _) => &mut sample.time,

@@ -31,32 +31,6 @@ pub struct MagneticTruth {
     pub disturbance_ut: Vector3<f64>,
 }
 
-/// One sample with its truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Emission {
-    /// Gyro and accelerometer.
-    Imu(ImuSample, TruthState),
-    /// Magnetometer.
-    Magnetic(MagneticSample, MagneticTruth),
-    /// A position from outside, and the true one, level frame, m.
-    Fix(PositionFix, Vector3<f64>),
-}
-
-impl Emission {
-    /// The sample alone.
-    pub fn observation(&self) -> Observation {
-        match self {
-            Self::Imu(sample, _) => Observation::Imu(*sample),
-            Self::Magnetic(sample, _) => Observation::Magnetic(*sample),
-            Self::Fix(fix, _) => Observation::Fix(*fix),
-        }
-    }
-
-    fn stamp(&self) -> Time {
-        self.observation().time()
-    }
-}
-
 /// Samples of IMU and magnetometer on a walking foot; [`generate`] with a magnetometer. The IMU's samples are the same.
 ///
 /// ```
@@ -68,7 +42,7 @@ impl Emission {
 /// let (imu, mag) = (ImuErrorModel::xsens_mti_g(), MagnetometerModel::xsens_mti_g());
 /// let norms = generate_marg(&walk, &imu, &world, &mag, 1)?.filter_map(|emission| match emission {
 ///     Emission::Magnetic(sample, _) => Some(sample.field_ut.norm()),
-///     Emission::Imu(..) | Emission::Fix(..) => None,
+///     _ => None,
 /// });
 /// assert!(norms.into_iter().all(|norm| (norm - 55.3).abs() < 5.0));
 /// # Ok(())
@@ -176,7 +150,7 @@ impl<M: Motion> Iterator for MargGenerator<M> {
             self.next_magnetic = self.magnetic();
         }
         let imu_first = match (&self.next_imu, &self.next_magnetic) {
-            (Some(imu), Some(magnetic)) => imu.stamp() <= magnetic.stamp(),
+            (Some(imu), Some(magnetic)) => imu.time() <= magnetic.time(),
             (imu, _) => imu.is_some(),
         };
         if imu_first { self.next_imu.take() } else { self.next_magnetic.take() }

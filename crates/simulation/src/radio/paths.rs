@@ -47,14 +47,14 @@ pub(crate) struct Field<'w> {
 
 impl Paths {
     /// The paths to a tag here.
-    pub fn at(&mut self, world: &RadioWorld<'_>, field: Field<'_>, tag_m: &Vector3<f64>) -> &[Path] {
+    pub fn at(&mut self, world: &RadioWorld, field: Field<'_>, tag_m: &Vector3<f64>) -> &[Path] {
         if self.at_m.is_none_or(|at| (at - tag_m).norm() > STEP_M) {
             self.survey(world, field, tag_m);
         }
         &self.list
     }
 
-    fn survey(&mut self, world: &RadioWorld<'_>, field: Field<'_>, tag_m: &Vector3<f64>) {
+    fn survey(&mut self, world: &RadioWorld, field: Field<'_>, tag_m: &Vector3<f64>) {
         self.at_m = Some(*tag_m);
         self.list.clear();
         let tag = Position::from_raw(*tag_m);

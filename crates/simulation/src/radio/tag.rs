@@ -70,7 +70,7 @@ impl Tag {
     /// Polls all portals once, at `time_s` after the start; appends who saw the tag.
     pub fn sightings(
         &mut self,
-        world: &RadioWorld<'_>,
+        world: &RadioWorld,
         time_s: f64,
         antenna: &Antenna,
         around: &Surroundings<'_>,

@@ -15,6 +15,7 @@ use adit_core::nalgebra::{Vector2, Vector3};
 use adit_mine::Mine;
 use adit_mine::plan::{self, AccessPoint, Anchor, PathLoss};
 use adit_observation::{DeviceId, Radio};
+use std::sync::Arc;
 
 /// What a random draw is for; a purpose keeps its number, so that a further one changes no other.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +36,8 @@ pub(crate) enum Purpose {
 
 /// The radio of a mine. Shared by all tags; holds nothing that changes.
 #[derive(Debug, Clone)]
-pub struct RadioWorld<'m> {
-    mine: &'m Mine,
+pub struct RadioWorld {
+    mine: Arc<Mine>,
     spec: RadioSpec,
     seed: u64,
     pub(crate) anchors: Vec<AnchorSite>,
@@ -106,21 +107,22 @@ pub(crate) struct InTheWay {
     pub wearer: bool,
 }
 
-impl<'m> RadioWorld<'m> {
+impl RadioWorld {
     /// The devices of a mine with these radios and failures; `seed` fixes what is random about them.
     pub fn new(
-        mine: &'m Mine,
+        mine: impl Into<Arc<Mine>>,
         spec: &RadioSpec,
         outages: &[Outage],
         seed: u64,
     ) -> Result<Self, SimulationError> {
         spec.check()?;
         outages.iter().try_for_each(Outage::check)?;
+        let mine: Arc<Mine> = mine.into();
         let plan = mine.plan();
         let anchor_places: Vec<_> = plan.anchors.iter().map(|a| *a.position_m.raw()).collect();
         let transmitter_places: Vec<_> = plan.access_points.iter().map(|a| *a.position_m.raw()).collect();
         let dead = |id: &str, place: &Vector3<f64>| {
-            DeadTimes::of(id, place, mine, outages, Key::new(seed, Purpose::Outage as u64))
+            DeadTimes::of(id, place, &mine, outages, Key::new(seed, Purpose::Outage as u64))
         };
         let sites = Sites { spec, seed };
         let anchors = (0..).zip(&plan.anchors).map(|(number, anchor)| {
@@ -142,16 +144,16 @@ impl<'m> RadioWorld<'m> {
             anchors: anchors.collect::<Result<_, _>>()?,
             transmitters: transmitters.collect::<Result<_, _>>()?,
             portals: portals.collect::<Result<_, _>>()?,
-            anchor_ways: Ways::new(mine, &anchor_places, spec.uwb.most_way_m),
-            transmitter_ways: Ways::new(mine, &transmitter_places, most_way_m),
+            anchor_ways: Ways::new(&mine, &anchor_places, spec.uwb.most_way_m),
+            transmitter_ways: Ways::new(&mine, &transmitter_places, most_way_m),
             anchor_places,
             transmitter_places,
-            pillars: plan.pillars.iter().filter_map(|pillar| Prism::new(mine, pillar)).collect(),
-            doors: plan.doors.iter().filter(|d| d.closed).filter_map(|door| DoorLine::new(mine, door)).collect(),
+            pillars: plan.pillars.iter().filter_map(|pillar| Prism::new(&mine, pillar)).collect(),
+            doors: plan.doors.iter().filter(|d| d.closed).filter_map(|door| DoorLine::new(&mine, door)).collect(),
             belts: plan.conveyors.iter().flat_map(belt).collect(),
             receiver: Receiver::new(spec.uwb.receiver),
             spec: spec.clone(),
-            mine,
+            mine: Arc::clone(&mine),
             seed,
         })
     }
@@ -162,8 +164,8 @@ impl<'m> RadioWorld<'m> {
     }
 
     /// The mine.
-    pub fn mine(&self) -> &'m Mine {
-        self.mine
+    pub fn mine(&self) -> &Mine {
+        &self.mine
     }
 
     /// What was set.

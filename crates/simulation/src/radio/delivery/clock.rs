@@ -6,9 +6,6 @@
 use crate::error::{SimulationError, check_within};
 use crate::radio::keyed::{Key, normal};
 use adit_core::time::Time;
-use adit_observation::{
-    ImuSample, MagneticSample, Observation, PositionFix, PressureSample, RangeSample, Sighting, SignalStrength,
-};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -71,18 +68,5 @@ impl DeviceClock {
         }
         let shown_s = time_s + self.offset_s + self.rate * (time_s - self.second);
         Time::from_seconds(shown_s).unwrap_or(Time::ZERO)
-    }
-}
-
-/// The same observation with another stamp.
-pub(crate) fn restamped(observation: Observation, time: Time) -> Observation {
-    match observation {
-        Observation::Imu(sample) => Observation::Imu(ImuSample { time, ..sample }),
-        Observation::Magnetic(sample) => Observation::Magnetic(MagneticSample { time, ..sample }),
-        Observation::Pressure(sample) => Observation::Pressure(PressureSample { time, ..sample }),
-        Observation::Fix(fix) => Observation::Fix(PositionFix { time, ..fix }),
-        Observation::Signal(signal) => Observation::Signal(SignalStrength { time, ..signal }),
-        Observation::Range(range) => Observation::Range(RangeSample { time, ..range }),
-        Observation::Sighting(sighting) => Observation::Sighting(Sighting { time, ..sighting }),
     }
 }

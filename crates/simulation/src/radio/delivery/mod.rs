@@ -17,18 +17,29 @@ pub use link::{LinkSpec, StoreAndForward};
 use super::keyed::Key;
 use super::world::Purpose;
 use crate::error::SimulationError;
+use adit_core::time::Time;
 use adit_observation::Observation;
 use link::{Fate, Link};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+/// What can be delivered: something with a stamp.
+pub trait Stamped: Clone {
+    /// Its stamp.
+    fn time(&self) -> Time;
+
+    /// The same with another stamp.
+    #[must_use]
+    fn stamped(self, stamp: Time) -> Self;
+}
+
 /// An observation as the server gets it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Delivered {
+pub struct Delivered<T = Observation> {
     /// When it arrives, true time, s after the start.
     pub arrival_s: f64,
     /// What arrives; stamped by the tag's clock.
-    pub observation: Observation,
+    pub observation: T,
     /// It has arrived before.
     pub duplicate: bool,
 }
@@ -50,11 +61,11 @@ pub struct Deliveries {
 ///
 /// The input's stamps are true times. `O(log n)` per observation in what is under way.
 #[derive(Debug, Clone)]
-pub struct Delivery<I> {
+pub struct Delivery<I: Iterator> {
     source: I,
     clock: DeviceClock,
     link: Link,
-    buffer: BinaryHeap<Reverse<UnderWay>>,
+    buffer: BinaryHeap<Reverse<UnderWay<I::Item>>>,
     /// Nothing that is still to come from the source arrives before this, s.
     safe_s: f64,
     number: u64,
@@ -62,12 +73,12 @@ pub struct Delivery<I> {
 }
 
 #[derive(Debug, Clone)]
-struct UnderWay {
+struct UnderWay<T> {
     number: u64,
-    delivered: Delivered,
+    delivered: Delivered<T>,
 }
 
-impl<I: Iterator<Item = Observation>> Delivery<I> {
+impl<I: Iterator<Item: Stamped>> Delivery<I> {
     /// The observations of one person's tag on their way; draws keyed by seed and person.
     pub fn new(
         source: I,
@@ -98,11 +109,11 @@ impl<I: Iterator<Item = Observation>> Delivery<I> {
         self.buffer.len()
     }
 
-    fn send(&mut self, observation: Observation) {
+    fn send(&mut self, observation: I::Item) {
         let time_s = observation.time().seconds();
         self.counts.made += 1;
         self.safe_s = self.safe_s.max(time_s);
-        let observation = clock::restamped(observation, self.clock.stamp(time_s));
+        let observation = observation.stamped(self.clock.stamp(time_s));
         match self.link.fate(time_s) {
             Fate::Lost => self.counts.lost += 1,
             Fate::Dropped => self.counts.dropped += 1,
@@ -116,17 +127,17 @@ impl<I: Iterator<Item = Observation>> Delivery<I> {
         }
     }
 
-    fn push(&mut self, arrival_s: f64, observation: Observation, duplicate: bool) {
+    fn push(&mut self, arrival_s: f64, observation: I::Item, duplicate: bool) {
         let delivered = Delivered { arrival_s, observation, duplicate };
         self.buffer.push(Reverse(UnderWay { number: self.number, delivered }));
         self.number += 1;
     }
 }
 
-impl<I: Iterator<Item = Observation>> Iterator for Delivery<I> {
-    type Item = Delivered;
+impl<I: Iterator<Item: Stamped>> Iterator for Delivery<I> {
+    type Item = Delivered<I::Item>;
 
-    fn next(&mut self) -> Option<Delivered> {
+    fn next(&mut self) -> Option<Self::Item> {
         loop {
             let first_s = self.buffer.peek().map(|Reverse(first)| first.delivered.arrival_s);
             if first_s.is_some_and(|first_s| first_s <= self.safe_s) {
@@ -140,24 +151,44 @@ impl<I: Iterator<Item = Observation>> Iterator for Delivery<I> {
     }
 }
 
-impl PartialEq for UnderWay {
+impl<T> PartialEq for UnderWay<T> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for UnderWay {}
+impl<T> Eq for UnderWay<T> {}
 
-impl PartialOrd for UnderWay {
+impl<T> PartialOrd for UnderWay<T> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for UnderWay {
+impl<T> Ord for UnderWay<T> {
     fn cmp(&self, other: &Self) -> Ordering {
         let arrival = |of: &Self| of.delivered.arrival_s;
         arrival(self).total_cmp(&arrival(other)).then(self.number.cmp(&other.number))
+    }
+}
+
+impl Stamped for Observation {
+    fn time(&self) -> Time {
+        self.time()
+    }
+
+    fn stamped(mut self, stamp: Time) -> Self {
+        let time = match &mut self {
+            Self::Imu(sample) => &mut sample.time,
+            Self::Magnetic(sample) => &mut sample.time,
+            Self::Pressure(sample) => &mut sample.time,
+            Self::Fix(fix) => &mut fix.time,
+            Self::Signal(signal) => &mut signal.time,
+            Self::Range(range) => &mut range.time,
+            Self::Sighting(sighting) => &mut sighting.time,
+        };
+        *time = stamp;
+        self
     }
 }
 

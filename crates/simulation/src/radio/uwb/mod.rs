@@ -114,7 +114,7 @@ impl Tag {
     /// Ranges to the anchors in reach, at `time_s` after the start; appends them, the strongest first.
     pub fn ranges(
         &mut self,
-        world: &RadioWorld<'_>,
+        world: &RadioWorld,
         time_s: f64,
         antenna: &Antenna,
         around: &Surroundings<'_>,
@@ -140,7 +140,7 @@ impl Tag {
     }
 
     /// Finds the anchors that could answer, the strongest first.
-    fn listen(&mut self, world: &RadioWorld<'_>, time_s: f64, antenna: &Antenna) {
+    fn listen(&mut self, world: &RadioWorld, time_s: f64, antenna: &Antenna) {
         let spec = &world.spec().uwb;
         let field = world.anchor_field();
         let here = antenna.position_m;
@@ -187,7 +187,7 @@ impl Tag {
     /// One exchange with an anchor that answers; `None` when no first path is found.
     fn exchange(
         &mut self,
-        world: &RadioWorld<'_>,
+        world: &RadioWorld,
         time: Time,
         antenna: &Antenna,
         anchor: &AnchorSite,
@@ -253,7 +253,7 @@ impl Tag {
     }
 }
 
-fn distance_m(world: &RadioWorld<'_>, heard: &Heard, here: &Vector3<f64>) -> f64 {
+fn distance_m(world: &RadioWorld, heard: &Heard, here: &Vector3<f64>) -> f64 {
     let place = world.anchor_field().places_m.get(heard.path.device as usize).copied();
     place.map_or(heard.way_m, |place| (place - here).norm())
 }

@@ -31,7 +31,7 @@ impl Tag {
     /// Scans once, at `time_s` after the start; appends what it hears, transmitters in the order of the mine's file.
     pub fn scan(
         &mut self,
-        world: &RadioWorld<'_>,
+        world: &RadioWorld,
         time_s: f64,
         antenna: &Antenna,
         around: &Surroundings<'_>,
