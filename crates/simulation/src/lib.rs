@@ -34,6 +34,7 @@ pub mod magnetic;
 pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
+pub mod people;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
@@ -47,6 +48,7 @@ pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
 pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
+pub use people::{Person, Population, PopulationSpec};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };
