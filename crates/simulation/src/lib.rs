@@ -22,6 +22,7 @@
 //! strapdown integration at all.
 
 mod blend;
+mod emission;
 mod error;
 mod gait;
 mod jet;
@@ -37,9 +38,11 @@ pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
 pub mod radio;
+pub mod people;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
+pub mod workforce;
 
 pub use error::SimulationError;
 pub use foot_motion::FootWalk;
@@ -48,9 +51,11 @@ pub use ideal_imu::{IdealImu, Inertial, STANDARD_GRAVITY_M_S2, Sampling};
 pub use imu_errors::{ImuErrorModel, ImuErrors, TriadErrors};
 pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
-pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
+pub use emission::Emission;
+pub use marg::{MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
 pub use radio::{RadioSpec, RadioWorld, Tag};
+pub use people::{Person, Population, PopulationSpec};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };

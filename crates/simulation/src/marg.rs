@@ -4,17 +4,19 @@
 //! of the field in body axes over the integration time that ended `latency` earlier, at the place where the sensor was
 //! then. Samples come in order of their **stamps**; at equal stamps the IMU comes first, as in a row of a CSV log.
 
+use crate::emission::Emission;
 use crate::error::SimulationError;
+use crate::radio::delivery::Stamped;
 use crate::ideal_imu::quadrature;
 use crate::imu_errors::ImuErrorModel;
 use crate::magnetic::MagneticWorld;
 use crate::magnetometer::{Magnetometer, MagnetometerModel};
 use crate::motion::Motion;
-use crate::scenario::{FootWalkScenario, Generator, TruthState, generate};
+use crate::scenario::{FootWalkScenario, Generator, generate};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
-use adit_observation::{ImuSample, MagneticSample, Observation, PositionFix};
+use adit_observation::MagneticSample;
 
 /// Truth at the end of a magnetic sample's integration.
 #[derive(Debug, Clone, Copy, PartialEq)]

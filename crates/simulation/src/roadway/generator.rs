@@ -3,7 +3,7 @@
 use super::walk::{EarthState, RoadwayWalk};
 use crate::error::{SimulationError, check_within};
 use crate::imu_errors::{ImuErrorModel, ImuErrors};
-use crate::marg::Emission;
+use crate::emission::Emission;
 use crate::scenario::TruthState;
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Vector2, Vector3};

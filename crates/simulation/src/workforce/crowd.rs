@@ -82,7 +82,7 @@ impl Neighbours {
 
 fn as_obstacle(vehicle: &Vehicle, time_s: f64) -> Obstacle {
     let pose = vehicle.pose(time_s);
-    let [length_m, width_m, height_m] = vehicle.size_m();
+    let [length_m, width_m, height_m] = vehicle.spec().size_m;
     let shape = Shape::Box {
         half_length_m: 0.5 * length_m,
         half_width_m: 0.5 * width_m,

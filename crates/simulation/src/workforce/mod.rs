@@ -18,12 +18,13 @@ mod crowd;
 mod outfit;
 mod stream;
 
-pub use outfit::{Mount, Outfit, RadioRates};
+pub use outfit::{Mount, Outfit, RadioRates, Worn};
 pub use stream::TagStream;
 
 use crate::error::{SimulationError, check_within};
 use crate::people::{Population, PopulationSpec};
-use crate::radio::{ClockSpec, LinkSpec, Outage, RadioSpec, RadioWorld};
+use crate::radio::delivery::{ClockSpec, LinkSpec};
+use crate::radio::{Outage, RadioSpec, RadioWorld};
 use adit_mine::Mine;
 use crowd::Crowd;
 use std::sync::Arc;

@@ -8,7 +8,6 @@ use crate::magnetic::MagneticWorld;
 use crate::magnetometer::MagnetometerModel;
 use crate::motion::{Motion, MotionState};
 use crate::people::{Belt, FootMotion, Person, WaistMotion};
-use crate::pressure::{AirSpec, BarometerModel};
 use crate::radio::RangeDetail;
 use serde::{Deserialize, Serialize};
 
@@ -50,8 +49,6 @@ pub struct Outfit {
     pub imu_hz: f64,
     /// Magnetometer and field, where it has one.
     pub magnetic: Option<(MagneticWorld, MagnetometerModel)>,
-    /// Barometer and air, where it has one.
-    pub barometer: Option<(BarometerModel, AirSpec)>,
     /// Radios.
     pub radio: RadioRates,
 }

@@ -5,6 +5,7 @@
 
 use crate::error::{SimulationError, check_within};
 use crate::radio::keyed::{Key, normal};
+use crate::radio::world::Purpose;
 use adit_core::time::Time;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,11 @@ impl DeviceClock {
         let offset_s = spec.offset_sigma_s * normal(&mut rng);
         let rate = 1e-6 * spec.rate_sigma_ppm * normal(&mut rng);
         Ok(Self { rng, walk: 1e-6 * spec.rate_walk_ppm, second: 0.0, offset_s, rate })
+    }
+
+    /// The clock of a person's tag.
+    pub(crate) fn of_person(spec: &ClockSpec, seed: u64, person: u64) -> Result<Self, SimulationError> {
+        Self::new(spec, Key::new(seed, Purpose::Clock as u64).with(person))
     }
 
     /// What the clock says at a true time, s; times before the second that was last read use that second's rate.

@@ -90,7 +90,7 @@ impl<I: Iterator<Item: Stamped>> Delivery<I> {
         let key = |purpose: Purpose| Key::new(seed, purpose as u64).with(person);
         Ok(Self {
             source,
-            clock: DeviceClock::new(clock, key(Purpose::Clock))?,
+            clock: DeviceClock::of_person(clock, seed, person)?,
             link: Link::new(link, key(Purpose::Link))?,
             buffer: BinaryHeap::new(),
             safe_s: f64::NEG_INFINITY,

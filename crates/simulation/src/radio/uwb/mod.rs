@@ -30,10 +30,12 @@ use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use adit_observation::{ImpulseResponse, Radio, RangeSample};
 use receiver::{Channel, DIRECT_TAP, Receiver, TAPS};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// How much a range tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RangeDetail {
     /// The range alone.
     #[default]
