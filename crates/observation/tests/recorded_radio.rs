@@ -3,11 +3,14 @@
 
 mod common;
 
-use adit_observation::{Observation, Radio, RangeSample, open};
-use common::{data_set, files_with};
+use adit_core::time::Time;
+use adit_observation::mcap_log::Packing;
+use adit_observation::{DeviceId, ImpulseResponse, Observation, Radio, RangeSample, Reception, open};
+use common::{data_set, files_with, mcap, read_all};
 use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Observations of a log and its warnings, without the file's name.
 fn read(path: &Path) -> (Vec<Observation>, Vec<String>) {
@@ -150,6 +153,45 @@ fn phone_walks_have_wifi_ble_and_a_barometer() {
         };
         assert!(observations.iter().all(pressure));
     }
+}
+
+/// Bytes of a number as a `sint32` of protobuf.
+fn varint_bytes(value: i16) -> usize {
+    let zigzag = (i32::from(value) << 1) ^ (i32::from(value) >> 15);
+    (32 - zigzag.leading_zeros()).div_ceil(7).max(1) as usize
+}
+
+#[test]
+fn uwb_cir_responses_survive_mcap_in_little_more_than_varints_would_take() {
+    const TAPS: usize = 200;
+    let Some(folder) = data_set("uwb-cir") else { return };
+    let mut bytes = Vec::new();
+    let file = folder.join("cir_i16le.bin.gz");
+    adit_observation::files::Input::open(file).unwrap().reader.read_to_end(&mut bytes).unwrap();
+    let numbers: Vec<i16> = bytes.as_chunks().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
+    let taps: Vec<[i16; 2]> = numbers.as_chunks().0.to_vec();
+    let varints: usize = numbers.iter().copied().map(varint_bytes).sum();
+    let ratio = bytes.len() as f64 / varints as f64;
+    println!("{} responses, {ratio:.3} times the varints", taps.len() / TAPS);
+    assert!(ratio < 1.15);
+
+    let range = |(index, taps): (usize, &[[i16; 2]])| {
+        let impulse_response = Some(ImpulseResponse { first_tap: 700, taps: taps.into() });
+        Observation::Range(RangeSample {
+            time: Time::from_nanos(i64::try_from(index).unwrap() * 100_000_000),
+            anchor: DeviceId::new("a0").unwrap(),
+            tag: None,
+            range_m: 5.0,
+            sigma_m: None,
+            line_of_sight: None,
+            radio: Radio::Uwb,
+            reception: Some(Arc::new(Reception { impulse_response, ..Reception::default() })),
+        })
+    };
+    let written: Vec<Observation> = taps.chunks_exact(TAPS).enumerate().map(range).collect();
+    assert!(written.len() > 7000);
+    let (back, warnings) = read_all("cir.mcap", &mcap(&written, Packing::Lz4)).unwrap();
+    assert!(back == written && warnings.is_empty());
 }
 
 #[test]
