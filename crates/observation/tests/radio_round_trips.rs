@@ -151,7 +151,9 @@ proptest! {
         let written = timed(observations, first);
         let read = through(|path| {
             let mut writer = McapLogWriter::create(path, packing).unwrap();
-            written.iter().for_each(|observation| writer.push(observation).unwrap());
+            for observation in &written {
+ writer.push(observation).unwrap();
+}
             writer.finish().unwrap();
         });
         // As text too, which tells -0 from 0.
@@ -181,7 +183,9 @@ proptest! {
             let written: Vec<&Observation> = all.iter().filter(of_kind).collect();
             let read = through(|path| {
                 let mut writer = CsvLogWriter::create(path, sensors).unwrap();
-                written.iter().for_each(|observation| writer.push(observation).unwrap());
+                for observation in &written {
+ writer.push(observation).unwrap();
+}
                 writer.finish().unwrap();
             });
             let expected: Vec<Observation> = written.into_iter().map(as_csv_holds_it).collect();
@@ -205,7 +209,9 @@ fn observations_of_one_time_by_different_devices_survive() {
     let scan = [at("ap1"), at("ap2"), at("ap3").at(Time::from_nanos(5)), at("ap4")];
     let read = through(|path| {
         let mut writer = CsvLogWriter::create(path, Sensors::Signals).unwrap();
-        scan.iter().for_each(|signal| writer.push(signal).unwrap());
+        for signal in &scan {
+            writer.push(signal).unwrap();
+        }
         writer.finish().unwrap();
     });
     assert_eq!(read, scan);

@@ -87,7 +87,7 @@ fn uwb_imu_rig_has_ranges_of_two_tags() {
     );
     assert_eq!(observations.len(), rows(&path).len());
     let tags: BTreeSet<_> = observations.iter().map(|o| range(o).tag.clone().unwrap()).collect();
-    assert_eq!(tags.iter().map(|tag| tag.as_str()).collect::<Vec<_>>(), ["1", "2"]);
+    assert_eq!(tags.iter().map(DeviceId::as_str).collect::<Vec<_>>(), ["1", "2"]);
     let path = folder.join("loop-3d_s5_ranges.csv");
     let (observations, warnings) = read(&path);
     assert!(observations.len() == rows(&path).len() && warnings.is_empty(), "{warnings:?}");

@@ -56,7 +56,9 @@ impl RangeColumns {
                 reception: ReceptionColumns::find(finder)?,
             },
             (Ok(None) | Err(LogError::UnknownUnit { .. }), false) => {
-                wide.iter().for_each(|(column, _)| finder.used[column.index] = true);
+                for (column, _) in &wide {
+                    finder.used[column.index] = true;
+                }
                 Ranges::EachAnchor(wide)
             }
             (Ok(None), true) => return Ok(None),
