@@ -116,7 +116,7 @@ impl fmt::Display for LogWarning {
                 write!(f, "{place}: ignored topics that are not known: {}", topics.join(", "))
             }
             Self::RepeatedTime { first, count } => {
-                write!(f, "{first}: dropped repetitions of the same sensor and time, from here on: {count}")
+                write!(f, "{first}: dropped repetitions (same source, same time), from here on: {count}")
             }
             Self::Late { first, count, longest } => write!(
                 f,

@@ -8,7 +8,7 @@
 //! | `range_sigma_m` | standard deviation of the row's ranges |
 //! | `valid` | 0: the row has no range, whatever stands in it |
 //! | `line_of_sight` | probability, 0 to 1 |
-//! | `rx_power_dBm`, `first_path_power_dBm`, `first_path_index_tap`, `peak_index_tap`, `first_path_amp1` to `first_path_amp3`, `noise_std`, `noise_max`, `preamble_count` | how the signal came in ([`Reception`]), of single ranges |
+//! | `rx_power_dBm`, `first_path_power_dBm`, `first_path_index_tap`, `peak_index_tap`, `first_path_amp1` to `first_path_amp3`, `noise_std`, `noise_max`, `preamble_count` | how the signal came in ([`Reception`]), of single ranges; a power of `-inf` is not told |
 //!
 //! Impulse responses have no columns; MCAP holds them.
 
@@ -56,7 +56,9 @@ impl RangeColumns {
                 reception: ReceptionColumns::find(finder)?,
             },
             (Ok(None) | Err(LogError::UnknownUnit { .. }), false) => {
-                wide.iter().for_each(|(column, _)| finder.used[column.index] = true);
+                for (column, _) in &wide {
+                    finder.used[column.index] = true;
+                }
                 Ranges::EachAnchor(wide)
             }
             (Ok(None), true) => return Ok(None),
@@ -182,6 +184,9 @@ impl ReceptionColumns {
     fn read(&self, table: &Table, columns: &[String]) -> Result<Option<Arc<Reception>>, LogError> {
         let given = |index: Option<usize>| index.filter(|index| !table.field(*index).is_empty());
         let single = |index: Option<usize>| given(index).map(|at| table.single(at, columns)).transpose();
+        // The power of no amplitude at all: the device could not tell.
+        let some = |index: &usize| !table.field(*index).eq_ignore_ascii_case(b"-inf");
+        let power = |index: Option<usize>| single(index.filter(some));
         let first_path_amplitudes = match self.amplitudes {
             Some(all) if all.into_iter().any(|at| !table.field(at).is_empty()) => {
                 let [first, second, third] = all.map(|at| table.single(at, columns));
@@ -190,8 +195,8 @@ impl ReceptionColumns {
             _ => None,
         };
         let reception = Reception {
-            rx_power_dbm: single(self.rx_power_dbm)?,
-            first_path_power_dbm: single(self.first_path_power_dbm)?,
+            rx_power_dbm: power(self.rx_power_dbm)?,
+            first_path_power_dbm: power(self.first_path_power_dbm)?,
             first_path_index_tap: single(self.first_path_index_tap)?,
             peak_index_tap: single(self.peak_index_tap)?,
             first_path_amplitudes,

@@ -29,7 +29,6 @@ impl Table {
                 .has_headers(false)
                 .flexible(true)
                 .quoting(false)
-                .comment(Some(b'#'))
                 .buffer_capacity(BUFFER)
                 .from_reader(LineLimit::new(reader)),
             record: ByteRecord::new(),
@@ -61,7 +60,17 @@ impl Table {
         Ok(true)
     }
 
+    /// The next line that is no comment. Comments are not left to the csv crate: it gives a record the line of the comment before.
     fn advance(&mut self) -> Result<bool, LogError> {
+        while self.read()? {
+            if !self.record.get(0).is_some_and(|field| field.starts_with(b"#")) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn read(&mut self) -> Result<bool, LogError> {
         match self.reader.read_byte_record(&mut self.record) {
             Ok(more) => {
                 self.line = self.record.position().map_or(self.line, csv::Position::line);

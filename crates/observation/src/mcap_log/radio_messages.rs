@@ -110,7 +110,9 @@ fn reception(message: &message::Reception) -> Result<Reception, BadMessage> {
     let first_path_amplitudes = match amplitudes {
         [Some(first), Some(second), Some(third)] => Some([first, second, third]),
         [None, None, None] => None,
-        _ => return Err(BadMessage::Missing("first_path_amp1 to first_path_amp3: all three or none")),
+        [None, ..] => return Err(BadMessage::Missing("first_path_amp1")),
+        [_, None, _] => return Err(BadMessage::Missing("first_path_amp2")),
+        [.., None] => return Err(BadMessage::Missing("first_path_amp3")),
     };
     Ok(Reception {
         rx_power_dbm: message.rx_power_dbm,

@@ -93,7 +93,9 @@ impl McapLog {
             BadMessage::Unlikely(field, value, expected) => {
                 (field.to_owned(), value.to_string(), expected.to_owned())
             }
-            BadMessage::Name(field, found) => (field.to_owned(), found, EXPECTED_NAME.to_owned()),
+            BadMessage::Name(field, found) => {
+                (field.to_owned(), format!("\"{found}\""), EXPECTED_NAME.to_owned())
+            }
             BadMessage::Time(found) => {
                 ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
             }
