@@ -6,6 +6,8 @@ use crate::plan::{Grid, MinePlan};
 use crate::projection::Projection;
 use adit_core::frames::{MineGrid, Position};
 use adit_core::geodesy::Geodetic;
+#[cfg(feature = "std")]
+use alloc::boxed::Box;
 
 /// The way from the mine's grid to the Earth and back.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +16,7 @@ pub enum Georeference {
     Tied(GridTie),
     /// A projected system of the EPSG registry.
     #[cfg(feature = "std")]
-    Projected(Projection),
+    Projected(Box<Projection>),
 }
 
 impl Georeference {
@@ -25,7 +27,7 @@ impl Georeference {
             Grid::Local {} => None,
             Grid::ControlPoints { fit, points, .. } => GridTie::fit(points, *fit).ok().map(Self::Tied),
             #[cfg(feature = "std")]
-            Grid::Epsg { code } => Projection::epsg(*code).ok().map(Self::Projected),
+            Grid::Epsg { code } => Projection::epsg(*code).ok().map(Box::new).map(Self::Projected),
             #[cfg(not(feature = "std"))]
             Grid::Epsg { .. } => None,
         }
