@@ -58,7 +58,7 @@ fn an_inertial_value_that_is_no_number_is_refused() {
                     _ => sample.specific_force_m_s2[axis - 3] = broken,
                 }
                 for outcome in outcomes(&log) {
-                    assert_eq!(outcome, Err(MethodError::NotFinite { time }));
+                    assert_eq!(outcome, Err(MethodError::NoReading { time }));
                 }
             }
         }

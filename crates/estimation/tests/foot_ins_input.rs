@@ -40,7 +40,7 @@ fn rejects_a_value_that_is_no_number() {
                     0..3 => s.angular_rate_rad_s[axis] = broken,
                     _ => s.specific_force_m_s2[axis - 3] = broken,
                 }
-                assert_eq!(outcome(&samples), Err(MethodError::NotFinite { time }));
+                assert_eq!(outcome(&samples), Err(MethodError::NoReading { time }));
             }
         }
     }

@@ -232,7 +232,7 @@ fn what_is_no_sample_is_refused_and_leaves_the_walker_as_he_was() {
                 imu.time = imu.time + Interval::from_nanos(1000);
                 imu.specific_force_m_s2.y = f64::NAN;
                 let lost = method.observe(&Observation::Imu(imu)).unwrap_err();
-                assert_eq!(lost, MethodError::NotFinite { time: imu.time });
+                assert_eq!(lost, MethodError::NoReading { time: imu.time });
             }
             Observation::Magnetic(mut magnetic) => {
                 magnetic.field_ut.x = f64::INFINITY;

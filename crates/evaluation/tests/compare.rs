@@ -43,8 +43,8 @@ fn solution(truth: &TrueState, off: [f64; 5]) -> Solution {
     }
 }
 
-fn outcome(errors: RunErrors) -> Option<RunOutcome> {
-    Some(RunOutcome { errors, nis: Some((2, 10, 19.0)), time_per_step_ns: 100.0 })
+fn outcome(errors: RunErrors) -> RunOutcome {
+    RunOutcome { errors, nis: Some((2, 10, 19.0)), time_per_step_ns: 100.0 }
 }
 
 fn near(found: f64, expected: f64) {
@@ -60,14 +60,14 @@ fn known_errors_make_known_figures() {
         .map(|gain| {
             let off = [0.3 * gain, -0.4 * gain, 0.06 * gain, 0.08 * gain, 0.02 * gain];
             let solutions: Vec<Solution> = truth.iter().map(|state| solution(state, off)).collect();
-            outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap())
+            Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()))
         })
         .collect();
     let summary = summarise("foot-ins", &runs, true).unwrap();
     let position = summary.position_m.unwrap();
     near(position.mean, 0.75);
     near(position.max, 1.0);
-    near(position.rmse, ((0.25 + 1.0) / 2.0_f64).sqrt());
+    near(position.rmse, f64::midpoint(0.25, 1.0).sqrt());
     near(summary.velocity_m_s.unwrap().max, 0.2);
     near(summary.heading_deg.unwrap().median, 0.03_f64.to_degrees());
     near(summary.over_seeds.largest_east_m.unwrap().mean, 0.45);
@@ -86,7 +86,7 @@ fn known_errors_make_known_figures() {
 fn a_failed_run_is_counted_and_in_no_figure() {
     let truth = truth(10);
     let solutions: Vec<Solution> = truth.iter().map(|state| solution(state, [0.1; 5])).collect();
-    let good = outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap());
+    let good = Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()));
     let summary = summarise("foot-ins", &[good.clone(), None, good], true).unwrap();
     assert_eq!((summary.runs, summary.failed_runs), (2, 1));
     near(summary.position_m.unwrap().max, 0.1 * 2_f64.sqrt());
@@ -108,7 +108,7 @@ fn honest_covariances_are_found_honest_and_others_not() {
         let mut run = || {
             let mut off = || [(); 5].map(|()| sigma * normal(&mut rng));
             let solutions: Vec<Solution> = truth.iter().map(|state| solution(state, off())).collect();
-            outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap())
+            Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()))
         };
         (0..40).map(|_| run()).collect()
     };
@@ -126,13 +126,14 @@ fn what_is_not_estimated_is_not_judged() {
     let mut solutions: Vec<Solution> = truth.iter().map(|state| solution(state, [0.1; 5])).collect();
     let attitude = RunOptions { positions: false, ..OPTIONS };
     let summary =
-        summarise("ahrs", &[outcome(run_errors(&solutions, &truth, &attitude).unwrap())], true).unwrap();
+        summarise("ahrs", &[Some(outcome(run_errors(&solutions, &truth, &attitude).unwrap()))], true)
+            .unwrap();
     assert!(summary.position_m.is_none() && summary.velocity_m_s.is_none() && summary.heading_deg.is_some());
     assert!(summary.consistency.joint.is_none() && summary.consistency.heading.is_some());
     // One covariance that is none, and that part has no NEES.
     solutions[7].covariance[(0, 0)] = 0.0;
     let summary =
-        summarise("x", &[outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap())], true).unwrap();
+        summarise("x", &[Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()))], true).unwrap();
     assert!(summary.nees.is_none() && summary.consistency.velocity.is_some());
     let late = RunOptions { from_s: 100.0, ..OPTIONS };
     assert!(matches!(run_errors(&solutions, &truth, &late), Err(EvaluationError::TooFewPoses { .. })));
@@ -142,7 +143,7 @@ fn what_is_not_estimated_is_not_judged() {
 fn a_page_escapes_names_and_needs_nothing_from_elsewhere() {
     let truth = truth(30);
     let solutions: Vec<Solution> = truth.iter().map(|state| solution(state, [0.1; 5])).collect();
-    let run = outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap());
+    let run = Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()));
     let summary = summarise("foot-ins", &[run], true).unwrap();
     let comparison = Comparison {
         scenario: "<script>&".to_owned(),

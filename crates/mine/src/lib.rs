@@ -10,10 +10,10 @@
 //! | is this point air or rock? | [`excavation::Excavation::contains`] |
 //! | what is between an anchor and a tag? | [`Mine::sight`] |
 //! | which zones, which level? | [`Mine::zones_at`], [`Mine::level_at`], [`plan::Zone::holds`] |
-//! | where on Earth is this? | [`grid_tie::GridTie`] |
+//! | where on Earth is this? | [`Mine::georeference`] |
 //!
 //! Coordinates are those of the mine's grid ([`adit_core::frames::MineGrid`]), m, z up; centre lines and chambers are given at the
-//! **floor**. All but [`mod@file`] is `no_std` with `alloc`.
+//! **floor**. All but [`mod@file`], [`plan_view`] and [`projection`] is `no_std` with `alloc`.
 //!
 //! ```
 //! use adit_core::frames::Position;
@@ -46,6 +46,7 @@ mod error;
 pub mod excavation;
 pub mod finding;
 mod geometry;
+mod georeference;
 pub mod grid_tie;
 mod levels;
 mod mine;
@@ -60,9 +61,12 @@ mod zoning;
 pub mod file;
 #[cfg(feature = "std")]
 pub mod plan_view;
+#[cfg(feature = "std")]
+pub mod projection;
 
 pub use check::check;
 pub use error::MineError;
+pub use georeference::Georeference;
 pub use mine::{Mine, Sight};
 pub use problem::Problem;
 pub use summary::{LevelSummary, Summary, ZoneSummary};

@@ -7,6 +7,7 @@ use crate::finding::Severity;
 use crate::geometry::plane::meeting;
 use crate::geometry::polygon::{Outline, chords};
 use crate::geometry::spans::{Span, covered};
+use crate::georeference::Georeference;
 use crate::levels::Levels;
 use crate::network::Network;
 use crate::plan::{Level, MinePlan, Pillar, Zone};
@@ -87,6 +88,11 @@ impl Mine {
     /// What is air.
     pub fn excavation(&self) -> &Excavation {
         &self.excavation
+    }
+
+    /// Where on Earth its grid lies; `None` for a local grid.
+    pub fn georeference(&self) -> Option<Georeference> {
+        Georeference::of(&self.plan)
     }
 
     /// The level that a height belongs to: the one whose elevation is nearest; `None` without levels.

@@ -77,6 +77,12 @@ pub enum Problem {
     /// A geographic system: degrees.
     #[error("EPSG:{code} is not a projected system in metres")]
     NotProjected { code: u32 },
+    /// A code that is no grid of a mine, or one that cannot be computed.
+    #[error("{what}")]
+    NoProjection { what: String },
+    /// Coordinates where the projection is not made for.
+    #[error("east {east_m} m, north {north_m} m is no place of EPSG:{code}")]
+    OffProjection { code: u32, east_m: f64, north_m: f64 },
     /// Control points from which no fit can be made.
     #[error("{what}")]
     NoTie { what: String },

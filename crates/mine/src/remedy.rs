@@ -64,6 +64,10 @@ impl Problem {
             Self::NotProjected { .. } => {
                 "project to a system in metres (a UTM zone, the national grid) and give its code"
             }
+            Self::NoProjection { .. } => "correct the code, or tie the grid by `kind = \"control-points\"`",
+            Self::OffProjection { .. } => {
+                "check the code, that easting comes before northing, and that no zone number stands before the easting"
+            }
             Self::NoTie { .. } => {
                 "add control points that spread in both directions, or use `fit = \"similarity\"`"
             }

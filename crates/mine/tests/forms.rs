@@ -89,8 +89,10 @@ prop_compose! {
         x in metres(1e6), y in metres(1e6), z in metres(4e3),
         length in 20.0..500.0_f64, width in 3.0..9.0_f64, name in text(), zone_name in proptest::option::of(text()),
         offset in proptest::option::of(metres(1.0)), loss in proptest::option::of((metres(90.0), 0.1..6.0_f64, proptest::option::of((1.0..99.0_f64, 0.1..9.0_f64)))),
-        walkable: bool, closed: bool, kind in 0..3_usize, epsg: bool, code in 2000..4000_u32, pressure in proptest::option::of(metres(500.0)),
+        walkable: bool, closed: bool, kind in 0..3_usize, epsg: bool, code in proptest::sample::select(vec![4547_u32, 25832, 28350, 32633, 31983]), pressure in proptest::option::of(metres(500.0)),
     ) -> MinePlan {
+        // Where these projections are made for.
+        let (x, y) = if epsg { (5e5 + 0.1 * x, 5e6 + 0.1 * y) } else { (x, y) };
         let grid = if epsg { Grid::Epsg { code } } else { Grid::Local {} };
         let mut plan = MinePlan::new(name, grid);
         plan.levels.push(Level { id: "floor".into(), name: zone_name.clone(), elevation_m: z });

@@ -4,10 +4,12 @@
 mod common;
 
 use adit_core::frames::Position;
+use adit_core::geodesy::Geodetic;
 use adit_mine::Mine;
 use adit_mine::grid_tie::GridTie;
 use adit_mine::network::{EdgeId, Spot, Travel};
 use adit_mine::plan::{ControlPoint, Fit, Pillar, Zone, ZoneKind};
+use adit_mine::projection::Projection;
 use common::{plan, roadway};
 use std::collections::BTreeMap;
 
@@ -201,5 +203,30 @@ fn a_fitted_grid_is_utm_as_proj_knows_it() {
             // Nanoradians of the Earth's circumference are millimetres; roundings of f64 a thousand times less.
             assert!((back - *grid_m).norm() < 1e-6, "{back:?}");
         }
+    }
+}
+
+#[test]
+fn grids_of_the_epsg_registry_are_those_of_proj() {
+    for row in rows(include_str!("reference/projections.csv")).skip(1) {
+        let v: Vec<f64> = row.iter().map(|n| n.parse().unwrap()).collect();
+        let projection = Projection::epsg(row[0].parse().unwrap()).unwrap();
+        let place = Geodetic::from_degrees(v[1], v[2], -420.0).unwrap();
+        let expected = Position::new(v[3], v[4], -420.0);
+        let grid = projection.to_grid(&place).unwrap();
+        // Six decimals are printed; PROJ's own series are good to a micrometre and less.
+        assert!((grid - expected).norm() < 1e-5, "EPSG:{} {grid:?}", row[0]);
+        let back = projection.to_geodetic(&expected).unwrap();
+        let off_m =
+            6.38e6 * (back.latitude_rad - place.latitude_rad).hypot(back.longitude_rad - place.longitude_rad);
+        assert!(
+            off_m < 1e-5 && back.height_m.to_bits() == place.height_m.to_bits(),
+            "EPSG:{} {off_m}",
+            row[0]
+        );
+        // A conformal grid turns by some 1e-8 rad per metre. LAEA shears: its north is not square to its east, and PROJ tells another angle.
+        let convergence_deg = projection.convergence_rad(&expected).unwrap().to_degrees();
+        let tolerance_deg = if row[0] == "3035" { 1e-3 } else { 1e-5 };
+        assert!((convergence_deg - v[5]).abs() < tolerance_deg, "EPSG:{} {convergence_deg}", row[0]);
     }
 }

@@ -6,7 +6,10 @@ mod common;
 use adit_core::frames::{Enu, Position};
 use adit_core::geodesy::Geodetic;
 use adit_mine::grid_tie::{GridTie, TieError};
-use adit_mine::plan::{Chamber, ControlPoint, Door, DoorKind, Fit, Level, MinePlan, Pillar, Zone, ZoneKind};
+use adit_mine::plan::{
+    Chamber, ControlPoint, Door, DoorKind, Fit, Grid, Level, MinePlan, Pillar, Zone, ZoneKind,
+};
+use adit_mine::projection::{Projection, ProjectionError};
 use adit_mine::{Mine, plan_view};
 use common::{plan, roadway};
 
@@ -221,4 +224,43 @@ fn a_plan_view_shows_each_level_and_names_nothing_that_breaks_it() {
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     let empty = plan_view::draw(&Mine::new(MinePlan::new("", adit_mine::plan::Grid::Local {})).unwrap());
     assert!(!empty.contains("NaN") && !empty.contains("inf"));
+}
+
+#[test]
+fn a_mine_knows_where_on_earth_it_is_whichever_way_its_file_says_so() {
+    let mut plan = two_levels();
+    plan.grid = Grid::Local {};
+    assert!(Mine::unchecked(plan.clone()).georeference().is_none());
+
+    let here = Position::new(500_100.0, 5_641_500.0, -100.0);
+    plan.grid = Grid::Epsg { code: 32633 };
+    let georeference = Mine::unchecked(plan.clone()).georeference().unwrap();
+    let place = georeference.to_geodetic(&here).unwrap();
+    // 100 m east of the central meridian of zone 33 (15° E), and north of the parallel of Dresden.
+    assert!(
+        (place.longitude_rad.to_degrees() - 15.0).abs() < 0.002 && place.latitude_rad.to_degrees() > 50.9
+    );
+    assert!((georeference.to_grid(&place).unwrap() - here).norm() < 1e-6);
+
+    plan.grid = Grid::ControlPoints {
+        fit: Fit::Similarity,
+        tolerance_m: 0.1,
+        points: control(0.1, [1.0, 1.0], [0.0; 4]),
+    };
+    let tied = Mine::unchecked(plan).georeference().unwrap();
+    assert!((tied.convergence_rad(&here).unwrap() - 0.1).abs() < 1e-7);
+}
+
+#[test]
+fn codes_that_are_no_grid_of_a_mine_are_refused_and_say_why() {
+    let refused = |code| Projection::epsg(code).unwrap_err();
+    assert_eq!(refused(4326), ProjectionError::NotProjected { code: 4326 });
+    assert_eq!(refused(4978), ProjectionError::NotProjected { code: 4978 });
+    assert_eq!(refused(99), ProjectionError::Unknown { code: 99 });
+    assert_eq!(refused(1_000_000), ProjectionError::Unknown { code: 1_000_000 });
+    // California zone 3, in US survey feet.
+    assert!(matches!(refused(2227), ProjectionError::NotMetres { code: 2227, .. }));
+    // Every code of the registry gives a grid or a reason.
+    let grids = (0..=u32::from(u16::MAX)).filter(|code| Projection::epsg(*code).is_ok()).count();
+    assert!(grids > 3000, "{grids}");
 }

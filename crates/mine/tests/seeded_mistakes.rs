@@ -11,6 +11,15 @@ use std::fmt::Write as _;
 /// A small mine with something of everything, and nothing wrong with it.
 const SOUND: &str = include_str!("common/sound.toml");
 
+/// Its grid.
+const GRID: &str = r#"[grid]
+kind = "control-points"
+points = [
+    { id = "k1", grid_m = [0.0, 0.0, 10.0], latitude_deg = 50.92, longitude_deg = 13.34, height_m = 53.0 },
+    { id = "k2", grid_m = [703.19, 0.05, 11.0], latitude_deg = 50.92, longitude_deg = 13.35, height_m = 54.0 },
+    { id = "k3", grid_m = [0.0, 1112.48, 12.0], latitude_deg = 50.93, longitude_deg = 13.34, height_m = 55.0 },
+]"#;
+
 /// Puts `to` in the place of `from`, which stands once, and expects `rule` on the line of `marker`.
 struct Mistake {
     rule: &'static str,
@@ -30,7 +39,7 @@ const fn mistake(
     Mistake { rule, from, to, marker, says }
 }
 
-const MISTAKES: [Mistake; 68] = [
+const MISTAKES: [Mistake; 72] = [
     // Text and shape.
     mistake("syntax", "snap_m = 0.1", "snap_m = = 0.1", "snap_m =", ""),
     mistake("syntax", "snap_m = 0.1", "snap_m = 0.1\nsnap_m = 0.2", "snap_m = 0.2", "duplicate key"),
@@ -132,6 +141,16 @@ const MISTAKES: [Mistake; 68] = [
         "format = 1",
         "",
     ),
+    mistake(
+        "not-projected",
+        GRID,
+        "[grid]\nkind = \"epsg\"\ncode = 4326",
+        "code =",
+        "project to a system in metres",
+    ),
+    mistake("no-projection", GRID, "[grid]\nkind = \"epsg\"\ncode = 99", "code =", "not in the registry"),
+    mistake("no-projection", GRID, "[grid]\nkind = \"epsg\"\ncode = 2227", "code =", "expected metres"),
+    mistake("off-projection", GRID, "[grid]\nkind = \"epsg\"\ncode = 2154", "code =", "zone number"),
     mistake("no-tie", "longitude_deg = 13.35", "longitude_deg = 13350.0", "13350", "not on the Earth"),
     mistake(
         "large-residual",

@@ -15,6 +15,20 @@ pub struct ImuSample {
     pub specific_force_m_s2: Vector3<f64>,
 }
 
+impl ImuSample {
+    /// Faster turns no sensor, rad/s (gyros end at 70), and none is shaken harder, m/s² (shock sensors end at some 1e5).
+    pub const LIMITS: (f64, f64) = (1e3, 1e5);
+
+    /// Whether every component is a finite number that an inertial sensor could give.
+    #[inline]
+    pub fn is_reading(&self) -> bool {
+        let (rate, force) = Self::LIMITS;
+        // NaN and infinities are not within either.
+        self.angular_rate_rad_s.iter().all(|v| v.abs() <= rate)
+            && self.specific_force_m_s2.iter().all(|v| v.abs() <= force)
+    }
+}
+
 /// One reading of a three-axis magnetometer, body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MagneticSample {
@@ -22,6 +36,17 @@ pub struct MagneticSample {
     pub time: Time,
     /// Magnetic flux density, µT.
     pub field_ut: Vector3<f64>,
+}
+
+impl MagneticSample {
+    /// Beyond this no magnetometer reads, µT: 10 mT.
+    pub const LIMIT_UT: f64 = 1e4;
+
+    /// Whether every component is a finite number that a magnetometer could give.
+    #[inline]
+    pub fn is_reading(&self) -> bool {
+        self.field_ut.iter().all(|v| v.abs() <= Self::LIMIT_UT)
+    }
 }
 
 /// Noise of an IMU in the terms of a data sheet; one-sided amplitude spectral densities.

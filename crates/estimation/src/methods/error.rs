@@ -23,9 +23,11 @@ pub enum MethodError {
         /// What was to be smoothed over.
         over: &'static str,
     },
-    /// A sample holds a NaN or an infinity.
-    #[error("IMU sample at {time} s holds a value that is not a finite number")]
-    NotFinite {
+    /// A sample holds a NaN, an infinity, or a number past every sensor.
+    #[error(
+        "IMU sample at {time} s holds a value that no sensor gives: not finite, or above 1000 rad/s or 1e5 m/s²"
+    )]
+    NoReading {
         /// Time of the sample.
         time: Time,
     },

@@ -43,7 +43,7 @@ impl FootInput {
 
     /// Takes a reading of the magnetometer while the alignment lasts; false once it is over.
     pub fn align_with(&mut self, magnetic: &MagneticSample) -> bool {
-        if !self.aligned && magnetic.field_ut.iter().all(|v| v.is_finite()) {
+        if !self.aligned && magnetic.is_reading() {
             self.alignment.observe_magnetic(magnetic);
         }
         !self.aligned
@@ -58,8 +58,8 @@ impl FootInput {
         imu: &ImuSample,
         start: impl FnOnce(Time, &Aligned),
     ) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
-            return Err(MethodError::NotFinite { time: imu.time });
+        if !imu.is_reading() {
+            return Err(MethodError::NoReading { time: imu.time });
         }
         if let Some(before) = self.latest
             && imu.time <= before

@@ -7,11 +7,9 @@ use crate::plan::{Fit, Grid};
 use crate::problem::Problem;
 use alloc::string::ToString;
 
-/// Geographic systems that people give by mistake: WGS 84, CGCS2000, NAD83, ETRS89, NAD27, Pulkovo 1942, Xian 1980,
-/// Beijing 1954, geocentric and three-dimensional WGS 84.
-const GEOGRAPHIC: [u32; 10] = [4326, 4490, 4269, 4258, 4267, 4284, 4610, 4214, 4978, 4979];
-/// Codes of coordinate reference systems.
-const CODES: core::ops::RangeInclusive<u32> = 1024..=32767;
+/// Where a projection is made for, a metre of it is one to within 0.3 %; where it is not, it may be anything.
+#[cfg(feature = "std")]
+const PROJECTION_LIMIT: f64 = 0.02;
 /// Largest difference of a grid's metre from the ground's: projections stay within 0.04 %, great depth and height add
 /// 0.02 % each.
 const SCALE_LIMIT: f64 = 1e-3;
@@ -20,11 +18,7 @@ impl Checks<'_> {
     pub(super) fn grid(&mut self) {
         match &self.plan.grid {
             Grid::Local {} => {}
-            Grid::Epsg { code } => {
-                if GEOGRAPHIC.contains(code) || !CODES.contains(code) {
-                    self.report(Place::key("grid").at("code"), Problem::NotProjected { code: *code });
-                }
-            }
+            Grid::Epsg { code } => self.projection(*code),
             Grid::ControlPoints { fit, tolerance_m, points } => {
                 let place = Place::key("grid").at("points");
                 let tie = match GridTie::fit(points, *fit) {
@@ -55,4 +49,26 @@ impl Checks<'_> {
             }
         }
     }
+    /// The code is one of a projected system, and the roadways lie where it is made for.
+    #[cfg(feature = "std")]
+    fn projection(&mut self, code: u32) {
+        use crate::projection::{Projection, ProjectionError};
+        let problem = match Projection::epsg(code) {
+            Ok(projection) => {
+                let first = self.plan.roadways.iter().flat_map(|roadway| &roadway.points_m).next();
+                let Some(first) = first.filter(|p| p.raw().iter().all(|v| v.is_finite())) else { return };
+                if projection.scale(first).is_some_and(|scale| (scale - 1.0).abs() < PROJECTION_LIMIT) {
+                    return;
+                }
+                Problem::OffProjection { code, east_m: first.raw().x, north_m: first.raw().y }
+            }
+            Err(ProjectionError::NotProjected { code }) => Problem::NotProjected { code },
+            Err(other) => Problem::NoProjection { what: other.to_string() },
+        };
+        self.report(Place::key("grid").at("code"), problem);
+    }
+
+    /// Without the registry a code is taken as it stands.
+    #[cfg(not(feature = "std"))]
+    fn projection(&mut self, _code: u32) {}
 }

@@ -87,11 +87,10 @@ impl Ahrs {
         observation: &Observation,
         recorder: &mut impl AhrsRecorder,
     ) -> Result<Option<Solution>, MethodError> {
-        let finite = |v: &Vector3<f64>| v.iter().all(|v| v.is_finite());
         match observation {
             Observation::Imu(imu) => {
-                if !finite(&imu.angular_rate_rad_s) || !finite(&imu.specific_force_m_s2) {
-                    return Err(MethodError::NotFinite { time: imu.time });
+                if !imu.is_reading() {
+                    return Err(MethodError::NoReading { time: imu.time });
                 }
                 if let Some(before) = self.latest
                     && imu.time <= before
@@ -100,7 +99,7 @@ impl Ahrs {
                 }
                 self.latest = Some(imu.time);
             }
-            Observation::Magnetic(magnetic) if !finite(&magnetic.field_ut) => return Ok(None),
+            Observation::Magnetic(magnetic) if !magnetic.is_reading() => return Ok(None),
             // Before the first inertial sample there is nothing to hold a field against.
             Observation::Magnetic(_) if self.latest.is_none() => return Ok(None),
             Observation::Magnetic(_) => {}

@@ -192,8 +192,8 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
 
     /// Predict up to each fix on the way and correct, predict to the sample: the method.
     fn advance(&mut self, imu: &ImuSample) -> Result<Solution, MethodError> {
-        if !imu.angular_rate_rad_s.iter().chain(imu.specific_force_m_s2.iter()).all(|v| v.is_finite()) {
-            return Err(MethodError::NotFinite { time: imu.time });
+        if !imu.is_reading() {
+            return Err(MethodError::NoReading { time: imu.time });
         }
         if let Some(before) = self.time {
             if imu.time <= before {

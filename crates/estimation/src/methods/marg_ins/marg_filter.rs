@@ -94,7 +94,7 @@ impl MargFilter {
 
     /// Takes a reading of the magnetometer; it is used when the sample of its time is.
     pub(super) fn push_magnetic(&mut self, magnetic: &MagneticSample) {
-        if magnetic.field_ut.iter().all(|v| v.is_finite()) {
+        if magnetic.is_reading() {
             self.compass.push(*magnetic);
         }
     }
