@@ -93,8 +93,8 @@ fn stride(body: &Body, fall: &Fall, from: Footprint, to: Footprint, flat_s: f64)
         swing_roll_rad: nominal.swing_roll_rad * effort,
         swing_yaw_rad: nominal.swing_yaw_rad * effort,
         shock_m: nominal.shock_m * effort,
-        // Standing is standing, whatever the gait before it.
-        stance_rock_rad: if begin_s - flat_s > nominal.stride_s { 0.0 } else { nominal.stance_rock_rad },
+        // Standing is standing, whatever the gait after it.
+        stance_rock_rad: if flat_s < fall.earliest_s + 0.2 { 0.0 } else { nominal.stance_rock_rad },
         ..nominal
     };
     Stride { start_s: flat_s, still_s: begin_s - flat_s, moving_s, from, to, gait }
