@@ -35,6 +35,7 @@ pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
 pub mod people;
+pub mod pressure;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
@@ -49,6 +50,7 @@ pub use magnetometer::{Magnetometer, MagnetometerModel};
 pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
 pub use people::{Person, Population, PopulationSpec};
+pub use pressure::{Barometer, BarometerModel, MineAir};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };
