@@ -35,10 +35,11 @@ impl FootMotion {
     pub(super) fn new(steps: &Steps, body: &Body, foot: Foot, left: bool) -> Self {
         let end_s = steps.nodes.last().map_or(0.0, |node| node.time_s);
         let mut falls = steps.falls.iter().filter(|fall| fall.left == left);
-        let first = falls.next().map_or(
-            Footprint { position_m: Vector3::zeros(), yaw_rad: 0.0, pitch_rad: 0.0 },
-            |fall| print(fall, &foot, 0.0),
-        );
+        let first = falls
+            .next()
+            .map_or(Footprint { position_m: Vector3::zeros(), yaw_rad: 0.0, pitch_rad: 0.0 }, |fall| {
+                print(fall, &foot, 0.0)
+            });
         let mut strides: Vec<Stride> = Vec::new();
         let (mut here, mut flat_s) = (first, 0.0);
         for fall in falls {

@@ -20,6 +20,7 @@ mod population;
 mod posture;
 mod shift;
 mod steps;
+mod turn;
 mod vehicle;
 mod vibration;
 mod waist;

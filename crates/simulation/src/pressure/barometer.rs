@@ -207,8 +207,10 @@ impl<M: Motion> Iterator for Barometer<'_, M> {
         let pressure_pa = self.air.pressure_pa(&place, time.seconds());
         let calm_pa = self.air.column().pressure_pa(place.z) + self.air.weather_pa(time.seconds());
 
-        let keep = if self.model.response_s > 0.0 { libm::exp(-interval_s / self.model.response_s) } else { 0.0 };
-        let filtered_pa = self.filtered_pa.map_or(pressure_pa, |before| pressure_pa + keep * (before - pressure_pa));
+        let keep =
+            if self.model.response_s > 0.0 { libm::exp(-interval_s / self.model.response_s) } else { 0.0 };
+        let filtered_pa =
+            self.filtered_pa.map_or(pressure_pa, |before| pressure_pa + keep * (before - pressure_pa));
         self.filtered_pa = Some(filtered_pa);
         let around_k = self.air.column().temperature_k(place.z) + self.model.warmth_k;
         let lag = libm::exp(-interval_s / self.model.warming_s);

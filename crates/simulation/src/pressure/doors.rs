@@ -53,8 +53,7 @@ impl Doors {
             let step_pa = door.pressure_step_pa?;
             let band_m = mine.band_m(&door.level)?;
             let ends = door.ends_m.map(Vector2::from);
-            let mut found =
-                Door { number, ends, band_m, spot: None, middle: Vector3::zeros(), step_pa };
+            let mut found = Door { number, ends, band_m, spot: None, middle: Vector3::zeros(), step_pa };
             for (edge, piece) in (0_u32..).map(EdgeId).zip(mine.network().edges()) {
                 let mut along_m = 0.0;
                 let points: Vec<Vector3<f64>> = piece.points_m().map(|p| *p.raw()).collect();

@@ -50,7 +50,9 @@ impl Ventilation {
             let mut here: Vec<(f64, f64)> = doors
                 .doors
                 .iter()
-                .filter_map(|door| door.spot.filter(|spot| spot.edge == id).map(|spot| (spot.along_m, door.step_pa)))
+                .filter_map(|door| {
+                    door.spot.filter(|spot| spot.edge == id).map(|spot| (spot.along_m, door.step_pa))
+                })
                 .collect();
             here.sort_by(|a, b| a.0.total_cmp(&b.0));
             let roadway = &mine.plan().roadways[edge.roadway];

@@ -1,12 +1,9 @@
 //! Vehicles: closed-form runs between stops.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
-mod common;
-
+use crate::common::two_level;
 use adit_core::frames::Position;
 use adit_core::nalgebra::Vector3;
 use adit_simulation::people::{Population, PopulationSpec, VehicleSpec};
-use common::two_level;
 
 fn spec() -> PopulationSpec {
     let vehicle = VehicleSpec { first_s: Some(0.0), stops: 4, ..VehicleSpec::on("ore") };

@@ -1,15 +1,12 @@
 //! Air of a mine and barometers in it.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
-mod common;
-
+use crate::common::two_level;
 use adit_core::frames::Position;
 use adit_core::nalgebra::Vector3;
 use adit_mine::Mine;
 use adit_mine::plan::{Door, DoorKind, Grid, Level, MinePlan, Roadway, RoadwayKind};
 use adit_simulation::people::{Belt, Body, Errand, Pace, PersonSpec, Place, Population, PopulationSpec};
 use adit_simulation::pressure::{AirColumn, AirSpec, Barometer, BarometerModel, MineAir};
-use common::two_level;
 
 /// A rectangle of 100 m × 60 m; a door that holds 200 Pa in the middle of its south side, and 150 Pa behind it to the west.
 fn ring(ends_m: [[f64; 2]; 2]) -> Mine {
@@ -82,7 +79,7 @@ fn a_door_holds_its_step_and_the_way_round_loses_it() {
 
 #[test]
 fn a_mine_without_doors_has_still_air() {
-    let air = MineAir::new(&common::crawlway(), &AirSpec::default(), 1).unwrap();
+    let air = MineAir::new(&crate::common::crawlway(), &AirSpec::default(), 1).unwrap();
     assert_eq!(air.ventilation().pressure_pa(&Vector3::new(30.0, 0.0, -299.0)), 0.0);
 }
 
@@ -127,7 +124,8 @@ fn somebody_who_passes_a_door_feels_the_step_and_others_a_pulse() {
     assert!((person.floor_m(passed_s).x - 50.0).abs() < 0.05);
     air.open_doors(passages);
 
-    let readings: Vec<_> = Barometer::new(person.waist(Belt::back()), &air, &BarometerModel::ideal(), 1).unwrap().collect();
+    let readings: Vec<_> =
+        Barometer::new(person.waist(Belt::back()), &air, &BarometerModel::ideal(), 1).unwrap().collect();
     let mean = |from: f64, to: f64| {
         let inside = readings.iter().filter(|(sample, _)| (from..to).contains(&sample.time.seconds()));
         let all: Vec<f64> = inside.map(|(_, truth)| truth.ventilation_pa).collect();
@@ -152,13 +150,19 @@ fn readings_have_the_noise_offset_and_steps_of_their_model() {
     let model = BarometerModel { response_s: 0.0, ..BarometerModel::bmp280() };
     let mut offsets = Vec::new();
     for seed in 0..40 {
-        let readings: Vec<_> = Barometer::new(person.waist(Belt::back()), &air, &model, seed).unwrap().take(2000).collect();
-        let noise: Vec<f64> = readings.iter().map(|(s, t)| s.pressure_pa - t.pressure_pa - t.bias_pa).collect();
+        let readings: Vec<_> =
+            Barometer::new(person.waist(Belt::back()), &air, &model, seed).unwrap().take(2000).collect();
+        let noise: Vec<f64> =
+            readings.iter().map(|(s, t)| s.pressure_pa - t.pressure_pa - t.bias_pa).collect();
         let rms = (noise.iter().map(|n| n * n).sum::<f64>() / noise.len() as f64).sqrt();
         // 1.3 Pa and the rounding to 0.16 Pa; five standard errors of 2000 draws.
         let expected = (1.3_f64 * 1.3 + 0.16 * 0.16 / 12.0).sqrt();
         assert!((rms / expected - 1.0).abs() < 5.0 / 4000.0_f64.sqrt(), "{rms}");
-        assert!(readings.iter().all(|(s, _)| (s.pressure_pa / 0.16 - (s.pressure_pa / 0.16).round()).abs() < 1e-6));
+        assert!(
+            readings
+                .iter()
+                .all(|(s, _)| (s.pressure_pa / 0.16 - (s.pressure_pa / 0.16).round()).abs() < 1e-6)
+        );
         offsets.push(readings[0].1.bias_pa);
     }
     let rms = (offsets.iter().map(|n| n * n).sum::<f64>() / 40.0).sqrt();
@@ -175,6 +179,9 @@ fn the_weather_is_slow_begins_at_nothing_and_is_fixed_by_the_seed() {
     assert_eq!(a.weather_pa(5000.0), b.weather_pa(5000.0));
     assert!((a.weather_pa(5000.0) - other.weather_pa(5000.0)).abs() > 0.1);
     // Steepest when all five agree: 5 · √2 · 300 Pa · 2π / √Σ period².
-    let steepest = (0..10_000).map(|i| f64::from(i) * 30.0).map(|t| (a.weather_pa(t + 1.0) - a.weather_pa(t)).abs()).fold(0.0, f64::max);
+    let steepest = (0..10_000)
+        .map(|i| f64::from(i) * 30.0)
+        .map(|t| (a.weather_pa(t + 1.0) - a.weather_pa(t)).abs())
+        .fold(0.0, f64::max);
     assert!(steepest < 0.056, "{steepest}");
 }
