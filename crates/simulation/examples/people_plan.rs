@@ -81,8 +81,11 @@ fn draw<'a>(
                 chart.draw_series(LineSeries::new(line.drain(..), ink.stroke_width(width)))?;
                 riding = rides;
             }
-            if !elsewhere {
-                line.push((at.floor_m.x, at.floor_m.y));
+            let here = (at.floor_m.x, at.floor_m.y);
+            let moved =
+                line.last().is_none_or(|last| (last.0 - here.0).hypot(last.1 - here.1) > (x1 - x0) / 400.0);
+            if moved && !elsewhere {
+                line.push(here);
             }
             t += 0.5;
         }

@@ -286,13 +286,13 @@ fn read(file: &Path) -> Result<Walk, Box<dyn Error>> {
 }
 
 fn draw(out: &str, recorded: Option<&Walk>, simulated: &Walk) -> Result<(), Box<dyn Error>> {
-    let root = SVGBackend::new(out, (1000, 560)).into_drawing_area();
+    let root = SVGBackend::new(out, (1000, if recorded.is_some() { 560 } else { 290 })).into_drawing_area();
     root.fill(&WHITE)?;
-    let panels = root.split_evenly((2, 1));
-    let shown =
-        [("recorded (gait-lowback, s07_t1)", recorded), ("simulated, 1.15 m/s, 1.75 m", Some(simulated))];
+    // Recorded signals stay out of figures that are published: without the data only the simulated one is drawn.
+    let mut shown = vec![("simulated, 1.15 m/s, 1.75 m", simulated)];
+    shown.extend(recorded.map(|walk| ("recorded (gait-lowback, s07_t1)", walk)));
+    let panels = root.split_evenly((shown.len(), 1));
     for (panel, (title, walk)) in panels.iter().zip(shown) {
-        let Some(walk) = walk else { continue };
         let (_, z, _) = vertical(walk);
         let mut chart = ChartBuilder::on(panel)
             .caption(format!("Vertical acceleration of the lower back: {title}"), ("sans-serif", 16))

@@ -13,6 +13,8 @@
 //! 6. [`MagneticWorld`]: the Earth's field, steel that stands or moves, cables;
 //! 7. [`Magnetometer`]: what a real one makes of that field.
 //!
+//! [`people`] and [`pressure`] are a mine's: who walks, works and rides where, sensors on them, and the air that they breathe.
+//!
 //! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
 //!
 //! [`generate_marg`] adds the last two to a walk, [`Generator::with_magnetometer`] to any motion. Frames are those of

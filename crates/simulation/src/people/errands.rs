@@ -283,16 +283,10 @@ impl<'a> Planner<'a> {
         Some(Stand { spot: foot.spot, left_m })
     }
 
-    /// The stop of a vehicle that is nearest to a place.
-    pub fn nearest_stop(&self, vehicle: &Vehicle, place: &Vector3<f64>) -> Option<usize> {
-        let distance = |stop: &usize| (vehicle.stop_m(*stop) - place).norm();
-        (0..vehicle.stops()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    }
-
     /// Walks to the nearest stop of a vehicle and rides to another; false when that cannot be.
     pub fn ride(&mut self, vehicle: usize, to_stop: usize) -> bool {
         let Some(vehicle) = self.vehicles.get(vehicle).map(Arc::clone) else { return false };
-        let Some(from_stop) = self.nearest_stop(&vehicle, &self.place) else { return false };
+        let Some(from_stop) = vehicle.nearest_stop(&self.place) else { return false };
         let (Some(wait_at), Some(leave_at)) =
             (self.beside(&vehicle, from_stop), self.beside(&vehicle, to_stop))
         else {

@@ -11,7 +11,6 @@ use super::posture::Manner;
 use super::steps::{Fall, Ride, Steps};
 use crate::foot_motion::FootWalk;
 use crate::gait::{Foot, Gait};
-use crate::jet::Jet;
 use crate::motion::{Angles, Motion, MotionState};
 use crate::walk_plan::{Footprint, Footprints, Stride};
 use adit_core::attitude;
@@ -117,7 +116,7 @@ impl Motion for FootMotion {
             acceleration_m_s2: carriage.place.second(),
             attitude: angles.attitude() * self.foot.mounting,
             angular_rate_rad_s: self.foot.mounting.inverse_transform_vector(&angles.rate_rad_s()),
-            stance: carriage.place.first() == Vector3::zeros() && carriage.yaw.first == Jet::default().first,
+            stance: carriage.place.first() == Vector3::zeros(),
         }
     }
 

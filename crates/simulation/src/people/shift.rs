@@ -229,9 +229,7 @@ fn travel(planner: &mut Planner<'_>, to: &Stand, ride_share: f64) {
     if !planner.vehicles().is_empty() && between(planner.rng, 0.0, 1.0) < ride_share {
         let vehicle = pick(planner.rng, planner.vehicles().len());
         let stops = planner.vehicles()[vehicle].as_ref();
-        if let (Some(on), Some(off)) =
-            (planner.nearest_stop(stops, &here), planner.nearest_stop(stops, &goal))
-        {
+        if let (Some(on), Some(off)) = (stops.nearest_stop(&here), stops.nearest_stop(&goal)) {
             let on_foot = (goal - here).norm();
             let left = (stops.stop_m(on) - here).norm() + (stops.stop_m(off) - goal).norm();
             if left < 0.67 * on_foot {
@@ -262,7 +260,7 @@ fn work(planner: &mut Planner<'_>, face: &Stand, spec: &ShiftSpec, until_s: f64)
             going => {
                 let pace = [Pace::Walk, Pace::Run, Pace::Crawl][going - 2];
                 let goal = near(planner, &face.spot, spec.reach_m);
-                if !planner.go(&goal, pace) || planner.now_s == before_s {
+                if !planner.go(&goal, pace) || planner.now_s <= before_s {
                     planner.stay(5.0, Manner::Stand);
                 }
             }
