@@ -21,14 +21,14 @@ fn speed(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("person");
     group.sample_size(20);
     group.bench_function("lay an 8 h shift and its steps", |b| {
-        b.iter(|| black_box(&person).waist(Belt::back()))
+        b.iter(|| black_box(&person).waist(Belt::back()));
     });
     let (waist, foot) = (person.waist(Belt::back()), person.foot(Foot::instep(), false));
     // 1000 s of the shift, 10 s apart from start to end, at 100 Hz.
     let times: Vec<f64> = (0..1000).map(|i| f64::from(i) * 28.0 + f64::from(i % 100) * 0.01).collect();
     group.throughput(Throughput::Elements(times.len() as u64));
     group.bench_function("coarse view", |b| {
-        b.iter(|| times.iter().map(|t| person.at(*t).floor_m.x).sum::<f64>())
+        b.iter(|| times.iter().map(|t| person.at(*t).floor_m.x).sum::<f64>());
     });
     group
         .bench_function("waist", |b| b.iter(|| times.iter().map(|t| waist.at(*t).position_m.x).sum::<f64>()));

@@ -196,7 +196,7 @@ fn figures(walk: &Walk, speed: f64) -> Figures {
     };
     let step_s = 0.5 / stride;
     let steps = ((walk.time_s.last().unwrap_or(&0.0) - walk.time_s[0]) / step_s).floor();
-    let mut peaks: Vec<f64> = (0..)
+    let mut peaks: Vec<f64> = (0..10_000)
         .map(f64::from)
         .take_while(|i| *i < steps)
         .map(|i| {

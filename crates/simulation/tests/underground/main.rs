@@ -1,5 +1,5 @@
 //! People, vehicles and air in a mine.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::float_cmp, reason = "tests; what is equal is equal to the bit")]
 
 mod common;
 mod people;

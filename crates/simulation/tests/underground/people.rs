@@ -117,10 +117,10 @@ fn nothing_jumps_where_one_mode_becomes_another() {
 
 #[test]
 fn the_errands_are_run_in_order() {
+    use Activity::{Board, Crawl, Ride, Run, Stand, Walk, Work};
     let person = somebody();
     let mut order: Vec<Activity> = person.episodes().map(|(_, activity)| activity).collect();
     order.dedup();
-    use Activity::{Board, Crawl, Ride, Run, Stand, Walk, Work};
     let expected =
         [Stand, Walk, Work, Walk, Run, Walk, Crawl, Stand, Walk, Stand, Board, Ride, Board, Walk, Stand];
     assert_eq!(order, expected);

@@ -43,7 +43,7 @@ fn at_a_stop_it_stands_where_and_when_it_says() {
     for vehicle in population.vehicles() {
         for stop in 0..vehicle.stops() {
             let dwell = vehicle.next_dwell(stop, 3000.0, 10.0).unwrap();
-            assert!(dwell.depart_s >= 3010.0 && dwell.depart_s - dwell.arrive_s == vehicle.spec().dwell_s);
+            assert!(dwell.depart_s >= 3010.0 && dwell.depart_s == dwell.arrive_s + vehicle.spec().dwell_s);
             assert!(dwell.arrive_s < 3000.0 + vehicle.round_s());
             for t in [dwell.arrive_s + 1e-6, dwell.depart_s - 1e-6] {
                 let pose = vehicle.pose(t);
