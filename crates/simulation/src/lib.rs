@@ -14,6 +14,7 @@
 //! 7. [`Magnetometer`]: what a real one makes of that field.
 //!
 //! [`radio`] is what radios say in a mine: signal strengths, ranges, channel impulse responses.
+//! [`people`] and [`pressure`] are a mine's: who walks, works and rides where, sensors on them, and the air that they breathe.
 //!
 //! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
 //!
@@ -39,6 +40,7 @@ pub mod magnetometer_presets;
 pub mod marg;
 pub mod radio;
 pub mod people;
+pub mod pressure;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
@@ -56,6 +58,7 @@ pub use marg::{MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
 pub use radio::{RadioSpec, RadioWorld, Tag};
 pub use people::{Person, Population, PopulationSpec};
+pub use pressure::{Barometer, BarometerModel, MineAir};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };

@@ -187,7 +187,11 @@ impl<'a> Planner<'a> {
         if by_rad.abs() < NO_TURN_RAD {
             return;
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a checked angle: a few turns")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a checked angle: a few turns"
+        )]
         let steps = libm::ceil(by_rad.abs() / TURN_PER_STEP_RAD).max(2.0) as u32;
         let to_yaw = self.yaw + by_rad;
         self.write(TURN_STEP_S * f64::from(steps), Doing::Turn { to_yaw, steps });
@@ -238,9 +242,19 @@ impl<'a> Planner<'a> {
         true
     }
 
-    fn go_part(&mut self, path: &Arc<super::path::Path>, wander: [Tone; 2], (from_m, to_m): (f64, f64), manner: Manner) {
+    fn go_part(
+        &mut self,
+        path: &Arc<super::path::Path>,
+        wander: [Tone; 2],
+        (from_m, to_m): (f64, f64),
+        manner: Manner,
+    ) {
         let (step_m, step_s) = self.body.step(manner);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a way in a mine: some km at most")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a way in a mine: some km at most"
+        )]
         let steps = libm::ceil((to_m - from_m) / step_m - 1e-9).max(1.0) as u32 + 1;
         let going = Going { path: Arc::clone(path), wander, from_m, to_m, steps, manner };
         let (_, yaw) = going.at(from_m);
@@ -269,21 +283,20 @@ impl<'a> Planner<'a> {
         Some(Stand { spot: foot.spot, left_m })
     }
 
-    /// The stop of a vehicle that is nearest to a place.
-    pub fn nearest_stop(&self, vehicle: &Vehicle, place: &Vector3<f64>) -> Option<usize> {
-        let distance = |stop: &usize| (vehicle.stop_m(*stop) - place).norm();
-        (0..vehicle.stops()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    }
-
     /// Walks to the nearest stop of a vehicle and rides to another; false when that cannot be.
     pub fn ride(&mut self, vehicle: usize, to_stop: usize) -> bool {
         let Some(vehicle) = self.vehicles.get(vehicle).map(Arc::clone) else { return false };
-        let Some(from_stop) = self.nearest_stop(&vehicle, &self.place) else { return false };
-        let (Some(wait_at), Some(leave_at)) = (self.beside(&vehicle, from_stop), self.beside(&vehicle, to_stop)) else {
+        let Some(from_stop) = vehicle.nearest_stop(&self.place) else { return false };
+        let (Some(wait_at), Some(leave_at)) =
+            (self.beside(&vehicle, from_stop), self.beside(&vehicle, to_stop))
+        else {
             return false;
         };
         let needed_s = 2.0 * SETTLE_S + CLIMB_S;
-        if from_stop == to_stop || vehicle.spec().dwell_s < needed_s + SETTLE_S || !self.go(&wait_at, Pace::Walk) {
+        if from_stop == to_stop
+            || vehicle.spec().dwell_s < needed_s + SETTLE_S
+            || !self.go(&wait_at, Pace::Walk)
+        {
             return false;
         }
         let Some(boarding) = vehicle.next_dwell(from_stop, self.now_s, needed_s) else { return false };

@@ -11,7 +11,6 @@ use super::posture::Manner;
 use super::steps::{Fall, Ride, Steps};
 use crate::foot_motion::FootWalk;
 use crate::gait::{Foot, Gait};
-use crate::jet::Jet;
 use crate::motion::{Angles, Motion, MotionState};
 use crate::walk_plan::{Footprint, Footprints, Stride};
 use adit_core::attitude;
@@ -35,10 +34,11 @@ impl FootMotion {
     pub(super) fn new(steps: &Steps, body: &Body, foot: Foot, left: bool) -> Self {
         let end_s = steps.nodes.last().map_or(0.0, |node| node.time_s);
         let mut falls = steps.falls.iter().filter(|fall| fall.left == left);
-        let first = falls.next().map_or(
-            Footprint { position_m: Vector3::zeros(), yaw_rad: 0.0, pitch_rad: 0.0 },
-            |fall| print(fall, &foot, 0.0),
-        );
+        let first = falls
+            .next()
+            .map_or(Footprint { position_m: Vector3::zeros(), yaw_rad: 0.0, pitch_rad: 0.0 }, |fall| {
+                print(fall, &foot, 0.0)
+            });
         let mut strides: Vec<Stride> = Vec::new();
         let (mut here, mut flat_s) = (first, 0.0);
         for fall in falls {
@@ -93,8 +93,8 @@ fn stride(body: &Body, fall: &Fall, from: Footprint, to: Footprint, flat_s: f64)
         swing_roll_rad: nominal.swing_roll_rad * effort,
         swing_yaw_rad: nominal.swing_yaw_rad * effort,
         shock_m: nominal.shock_m * effort,
-        // Standing is standing, whatever the gait before it.
-        stance_rock_rad: if begin_s - flat_s > nominal.stride_s { 0.0 } else { nominal.stance_rock_rad },
+        // Standing is standing, whatever the gait after it.
+        stance_rock_rad: if flat_s < fall.earliest_s + 0.2 { 0.0 } else { nominal.stance_rock_rad },
         ..nominal
     };
     Stride { start_s: flat_s, still_s: begin_s - flat_s, moving_s, from, to, gait }
@@ -116,7 +116,7 @@ impl Motion for FootMotion {
             acceleration_m_s2: carriage.place.second(),
             attitude: angles.attitude() * self.foot.mounting,
             angular_rate_rad_s: self.foot.mounting.inverse_transform_vector(&angles.rate_rad_s()),
-            stance: carriage.place.first() == Vector3::zeros() && carriage.yaw.first == Jet::default().first,
+            stance: carriage.place.first() == Vector3::zeros(),
         }
     }
 

@@ -95,8 +95,7 @@ impl Ground {
         let mine = Mine::unchecked(plan);
         let zones = mine.plan().zones.iter().map(|zone| (zone.id.clone(), mine.spots_in(zone))).collect();
         let roadways = &mine.plan().roadways;
-        let roadways =
-            roadways.iter().map(|r| (0.5 * r.width_m, r.height_m, r.id.clone())).collect();
+        let roadways = roadways.iter().map(|r| (0.5 * r.width_m, r.height_m, r.id.clone())).collect();
         Self { network: mine.network().clone(), roadways, zones }
     }
 

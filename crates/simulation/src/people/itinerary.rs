@@ -128,6 +128,7 @@ impl Episode {
     fn activity(&self) -> Activity {
         match &self.doing {
             Doing::Stay { manner: Manner::Work } => Activity::Work,
+            Doing::Stay { manner: Manner::Crawl } => Activity::Crawl,
             Doing::Stay { .. } => Activity::Stand,
             Doing::Turn { .. } => Activity::Walk,
             Doing::Go(going) => match going.manner {

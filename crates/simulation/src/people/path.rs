@@ -78,7 +78,10 @@ impl Path {
 
     /// The piece in which a length lies.
     fn piece(&self, sigma_m: f64) -> usize {
-        self.along_m.partition_point(|along| *along <= sigma_m).saturating_sub(1).min(self.directions.len() - 1)
+        self.along_m
+            .partition_point(|along| *along <= sigma_m)
+            .saturating_sub(1)
+            .min(self.directions.len() - 1)
     }
 
     /// The place this far along, ends beyond the ends.

@@ -87,8 +87,7 @@ impl Population {
             Vehicle::new(mine, &ground, vehicle, format!("vehicle-{index}"), rng).map(Arc::new)
         };
         let vehicles = (0..).zip(&spec.vehicles).map(make).collect::<Result<Vec<_>, _>>()?;
-        let workings =
-            if spec.people > 0 { Some(Workings::new(mine, &ground, &spec.shift)?) } else { None };
+        let workings = if spec.people > 0 { Some(Workings::new(mine, &ground, &spec.shift)?) } else { None };
         Ok(Self { ground, spec: spec.clone(), seed, vehicles, workings })
     }
 

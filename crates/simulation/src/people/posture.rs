@@ -4,13 +4,16 @@
 //! the body (x forward, y left, z up), the pelvis moves by
 //!
 //! ```text
-//! x =         a₁ cos 2πφ + b₁ sin 2πφ + a₂ cos 4πφ + b₂ sin 4πφ           surge
-//! y =         s₁ sin πφ + s₃ sin 3πφ                                      hip sway, towards the standing foot
-//! z = H +     c₁ cos 2πφ + d₁ sin 2πφ + c₂ cos 4πφ + d₂ sin 4πφ + k ring  bounce, heel strike
-//! yaw =      −Y cos πφ                                                     the hip of the leading leg goes ahead
-//! roll =      R sin(πφ + 0.9)                                              the swinging side drops, most in early stance
-//! pitch = L + P cos(2πφ − 0.6)                                             lean, and nodding
+//! x =         a₁ cos 2πφ + b₁ sin 2πφ + a₂ cos 4πφ + b₂ sin 4πφ − 2.5 r + u cos πφ  surge
+//! y =         s₁ sin πφ + s₃ sin 3πφ + (3 w + 0.8) r + 0.6 u sin 2πφ              hip sway, towards the standing foot
+//! z = H +     c₁ cos 2πφ + d₁ sin 2πφ + c₂ cos 4πφ + d₂ sin 4πφ + (0.3 + w/4) r + u cos πφ + 0.5 u sin 3πφ
+//! yaw =      −Y cos πφ + 20 w r                                                      the hip of the leading leg goes ahead
+//! roll =      R sin(πφ + 0.9) + 20 w r                                               the swinging side drops, most in early stance
+//! pitch = L + P cos(2πφ − 0.6) + 14 r                                                lean, and nodding
 //! ```
+//!
+//! `r` is the heel strike: a pulse of amplitude `k` that rings twice in a third of a step; `w` is 1 on the left foot, −1 on the right; `u`
+//! is what two legs differ by (angles take 1/m).
 //!
 //! **Walking.** The bounce is that of an inverted pendulum of leg length `l` (Zijlstra & Hof, *Gait & Posture* 6, 1997: step = 2 √(2 l h − h²),
 //! and a step 1.25 times as long as that): `h = (step/1.25)² / 8l` peak to peak, lowest 0.08 of a step after the heel strike, where the
@@ -26,7 +29,7 @@ use crate::jet::{Jet, JetVector};
 use core::f64::consts::{PI, TAU};
 
 /// The heel strike rings in this part of a step.
-const STRIKE: Window = Window::new(0.02, 0.26);
+const STRIKE: Window = Window::new(0.0, 0.36);
 const STRIKE_CYCLES: f64 = 2.0;
 /// Share of a step by which list precedes sway and nodding follows the heel strike, rad.
 const LIST_LEAD_RAD: f64 = 0.9;
@@ -57,6 +60,7 @@ pub(super) struct Posture<T> {
     pub list: T,
     pub nod: T,
     pub strike: T,
+    pub uneven: T,
     /// Strength of the slow sway of standing, 0 to 1.
     pub standing: T,
     /// Strength of the trunk motion of work, 0 to 1.
@@ -71,7 +75,7 @@ impl Posture<f64> {
         match manner {
             Manner::Still => upright,
             Manner::Stand => Self { standing: 1.0, ..upright },
-            Manner::Work => Self { lean: 0.15, standing: 1.0, working: 1.0, ..upright },
+            Manner::Work => Self { lean: 0.15, working: 1.0, ..upright },
             Manner::Sit => Self { height: 0.12, lean: -0.1, ..Self::default() },
             Manner::Walk => {
                 let pendulum_m = step_m / 1.25;
@@ -80,13 +84,14 @@ impl Posture<f64> {
                 Self {
                     height: upright.height - bounce,
                     bounce: [harmonic(-bounce, 0.08), harmonic(-0.0008 * effort * effort, 0.02)].concat4(),
-                    surge: [harmonic(0.009 * effort, 0.34), harmonic(0.0008 * effort * effort, 0.15)].concat4(),
+                    surge: [harmonic(0.009 * effort, 0.34), harmonic(0.0008 * effort * effort, 0.15)]
+                        .concat4(),
                     sway: [0.018, 0.0012 * effort],
                     yaw: 0.065 * effort,
                     list: 0.05 * effort,
                     nod: 0.016 * effort,
-                    strike: 0.0003 * effort * effort,
-                    standing: 0.0,
+                    strike: 0.00045 * effort * effort,
+                    uneven: 0.0028 * effort,
                     ..upright
                 }
             }
@@ -101,7 +106,8 @@ impl Posture<f64> {
                     yaw: 0.09 * effort,
                     list: 0.06 * effort,
                     nod: 0.03 * effort,
-                    strike: 0.0006 * effort * effort,
+                    strike: 0.0007 * effort * effort,
+                    uneven: 0.002 * effort,
                     ..upright
                 }
             }
@@ -134,6 +140,7 @@ impl Posture<f64> {
             list: mix(self.list, to.list),
             nod: mix(self.nod, to.nod),
             strike: mix(self.strike, to.strike),
+            uneven: mix(self.uneven, to.uneven),
             standing: mix(self.standing, to.standing),
             working: mix(self.working, to.working),
         }
@@ -150,6 +157,8 @@ impl Posture<f64> {
             list: self.list * effort,
             nod: self.nod * effort,
             strike: self.strike * square,
+            uneven: self.uneven * effort,
+            sway: self.sway.map(|v| v * effort.min(1.0)),
             ..*self
         }
     }
@@ -191,19 +200,28 @@ impl Posture<Jet> {
         let (sin4, cos4) = (sin2 * cos2 * 2.0, cos2 * cos2 * 2.0 - Jet::constant(1.0));
         let sin3 = sin2 * cos + cos2 * sin;
         let wave = |c: &[Jet; 4]| cos2 * c[0] + sin2 * c[1] + cos4 * c[2] + sin4 * c[3];
-        let into = turns - Jet::constant(libm::floor(turns.value));
-        let strike = STRIKE.ring(into, STRIKE_CYCLES);
+        let step = libm::floor(turns.value);
+        let strike = STRIKE.ring(turns - Jet::constant(step), STRIKE_CYCLES) * self.strike;
+        let struck = if step > 0.5 { -strike } else { strike };
         let (lead_sin, lead_cos) = libm::sincos(LIST_LEAD_RAD);
         let (lag_sin, lag_cos) = libm::sincos(NOD_LAG_RAD);
         Stance {
             shift: JetVector([
-                wave(&self.surge) - strike * self.strike * 0.7,
-                sin * self.sway[0] + sin3 * self.sway[1],
-                self.height + wave(&self.bounce) + strike * self.strike,
+                wave(&self.surge) - strike * 2.5 + cos * self.uneven,
+                sin * self.sway[0]
+                    + sin3 * self.sway[1]
+                    + struck * 3.0
+                    + strike * 0.8
+                    + sin2 * self.uneven * 0.6,
+                self.height
+                    + wave(&self.bounce)
+                    + strike * 0.3
+                    + struck * 0.25
+                    + (cos + sin3 * 0.5) * self.uneven,
             ]),
-            yaw: -(cos * self.yaw),
-            roll: (sin * lead_cos + cos * lead_sin) * self.list,
-            pitch: self.lean + (cos2 * lag_cos + sin2 * lag_sin) * self.nod,
+            yaw: struck * 20.0 - cos * self.yaw,
+            roll: (sin * lead_cos + cos * lead_sin) * self.list + struck * 20.0,
+            pitch: self.lean + (cos2 * lag_cos + sin2 * lag_sin) * self.nod + strike * 14.0,
         }
     }
 }

@@ -86,9 +86,17 @@ impl ShiftSpec {
         check_within("ride_share", self.ride_share, 0.0, 1.0, "0 to 1")?;
         check_within("reach_m", self.reach_m, 1.0, 1000.0, "1 to 1000 m")?;
         check_within("stretch_s", self.stretch_s[0], 1.0, 1e5, "1 to 1e5 s")?;
-        check_within("stretch_s", self.stretch_s[1], self.stretch_s[0], 1e5, "no less than the shortest, to 1e5 s")?;
+        check_within(
+            "stretch_s",
+            self.stretch_s[1],
+            self.stretch_s[0],
+            1e5,
+            "no less than the shortest, to 1e5 s",
+        )?;
         let Shares { work, stand, walk, run, crawl } = self.shares;
-        for (name, share) in [("work", work), ("stand", stand), ("walk", walk), ("run", run), ("crawl", crawl)] {
+        for (name, share) in
+            [("work", work), ("stand", stand), ("walk", walk), ("run", run), ("crawl", crawl)]
+        {
             check_within(name, share, 0.0, 1e6, "0 to 1e6")?;
         }
         check_within("shares", work + stand + walk + run + crawl, 1e-9, 1e7, "something above 0 in sum")
@@ -221,7 +229,7 @@ fn travel(planner: &mut Planner<'_>, to: &Stand, ride_share: f64) {
     if !planner.vehicles().is_empty() && between(planner.rng, 0.0, 1.0) < ride_share {
         let vehicle = pick(planner.rng, planner.vehicles().len());
         let stops = planner.vehicles()[vehicle].as_ref();
-        if let (Some(on), Some(off)) = (planner.nearest_stop(stops, &here), planner.nearest_stop(stops, &goal)) {
+        if let (Some(on), Some(off)) = (stops.nearest_stop(&here), stops.nearest_stop(&goal)) {
             let on_foot = (goal - here).norm();
             let left = (stops.stop_m(on) - here).norm() + (stops.stop_m(off) - goal).norm();
             if left < 0.67 * on_foot {
@@ -240,7 +248,8 @@ fn work(planner: &mut Planner<'_>, face: &Stand, spec: &ShiftSpec, until_s: f64)
     let mut spent = [0.0; 5];
     let start_s = planner.now_s;
     while planner.now_s < until_s {
-        let stretch_s = between(planner.rng, spec.stretch_s[0], spec.stretch_s[1]).min(until_s - planner.now_s + 1.0);
+        let stretch_s =
+            between(planner.rng, spec.stretch_s[0], spec.stretch_s[1]).min(until_s - planner.now_s + 1.0);
         let total = planner.now_s - start_s + stretch_s;
         let lag = |kind: usize| total * shares[kind] / whole - spent[kind];
         let most = (0..5).max_by(|a, b| lag(*a).total_cmp(&lag(*b))).unwrap_or(0);
@@ -251,7 +260,7 @@ fn work(planner: &mut Planner<'_>, face: &Stand, spec: &ShiftSpec, until_s: f64)
             going => {
                 let pace = [Pace::Walk, Pace::Run, Pace::Crawl][going - 2];
                 let goal = near(planner, &face.spot, spec.reach_m);
-                if !planner.go(&goal, pace) || planner.now_s == before_s {
+                if !planner.go(&goal, pace) || planner.now_s <= before_s {
                     planner.stay(5.0, Manner::Stand);
                 }
             }

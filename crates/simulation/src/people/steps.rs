@@ -92,7 +92,8 @@ pub(super) struct Steps {
 impl Steps {
     /// Lays the steps; two draws of `rng` for each step of going.
     pub fn lay(itinerary: &Itinerary, body: &Body, rng: &mut ChaCha8Rng) -> Self {
-        let mut layer = Layer { body, rng, manner: Manner::Still, phase: 0.0, tilt: 0.0, steps: Self::empty() };
+        let mut layer =
+            Layer { body, rng, manner: Manner::Still, phase: 0.0, tilt: 0.0, steps: Self::empty() };
         if let Some(first) = itinerary.episodes.first() {
             layer.node(first.start_s, first.place, first.yaw, true);
             for left in [true, false] {
@@ -118,7 +119,8 @@ impl Steps {
             if b.held {
                 continue;
             }
-            let jet = |of: fn(&Node) -> f64| through((a.time_s, of(&a)), (b.time_s, of(&b)), (c.time_s, of(&c)));
+            let jet =
+                |of: fn(&Node) -> f64| through((a.time_s, of(&a)), (b.time_s, of(&b)), (c.time_s, of(&c)));
             let here = &mut self.nodes[index];
             here.yaw = jet(|node| node.yaw.value);
             here.phase = jet(|node| node.phase.value);
@@ -165,7 +167,13 @@ impl Layer<'_> {
         });
     }
 
-    fn fall(&mut self, time_s: f64, earliest_s: f64, (place, yaw, pitch): (Vector3<f64>, f64, f64), left: bool) {
+    fn fall(
+        &mut self,
+        time_s: f64,
+        earliest_s: f64,
+        (place, yaw, pitch): (Vector3<f64>, f64, f64),
+        left: bool,
+    ) {
         let manner = self.manner;
         self.steps.falls.push(Fall { time_s, earliest_s, place, yaw, pitch, left, manner, carried: false });
     }

@@ -181,6 +181,7 @@ pub(super) struct Carriage {
 
 /// Speed and time of a run between two stops.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "units")]
 struct Run {
     speed_m_s: f64,
     ramp_s: f64,
@@ -297,6 +298,12 @@ impl Vehicle {
         self.path.at(self.stops_m[stop.min(self.stops_m.len() - 1)]).place
     }
 
+    /// The stop that is nearest to a place.
+    pub fn nearest_stop(&self, place_m: &Vector3<f64>) -> Option<usize> {
+        let distance = |stop: &usize| (self.stop_m(*stop) - place_m).norm();
+        (0..self.stops()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
     /// The next stay at a stop that is under way or to come at `time_s` and lasts for another `at_least_s`.
     pub fn next_dwell(&self, stop: usize, time_s: f64, at_least_s: f64) -> Option<Dwell> {
         let round = libm::floor((time_s - self.first_s) / self.round_s) - 1.0;
@@ -359,7 +366,7 @@ impl Vehicle {
     pub(super) fn seat_m(&self, number: u32) -> Vector3<f64> {
         let number = number % self.spec.seats;
         let [forward, left, up] = self.spec.seat_m;
-        let side = if number % 2 == 0 { left } else { -left };
+        let side = if number.is_multiple_of(2) { left } else { -left };
         Vector3::new(forward - 0.85 * f64::from(number / 2), side, up)
     }
 }

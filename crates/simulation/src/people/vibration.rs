@@ -93,7 +93,7 @@ impl Vibration {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 31")]
         let (place, height_m) = self.bumps[number as usize];
         let into = (sigma - Jet::constant((stretch + place) * STRETCH_M)) * (1.0 / BUMP_M);
-        shift.0[2] = shift.0[2] + Window::new(0.0, 1.0).pulse(into) * height_m;
+        shift.0[2] = shift.0[2] + Window::new(0.0, 1.0).pulse(into) * vigour * height_m;
         shift
     }
 

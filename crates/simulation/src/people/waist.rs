@@ -5,13 +5,14 @@
 //! module `posture`), one manner going over into the next by a quintic step; `b` is the sensor on the belt. Position is C², so the
 //! specific force is continuous; derivatives are exact, by jets.
 
+use super::body::Body;
 use super::hermite::{ease, quintic, quintic_vector};
 use super::posture::{Manner, Posture};
 use super::steps::Steps;
-use super::vibration::{Tone, between, sum};
-use super::body::Body;
+use super::turn::Turn;
+use super::vibration::{Tone, between};
 use crate::jet::{Jet, JetVector};
-use crate::motion::{Angles, Motion, MotionState};
+use crate::motion::{Motion, MotionState};
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -64,32 +65,51 @@ fn about_z(angle_rad: f64) -> Attitude {
     attitude::exp(&(Vector3::z() * angle_rad))
 }
 
-/// The slow motions of a body that stands or works: three of place (forward, left, up), three of angle (yaw, pitch, roll).
+/// The slow motions of a body that stands or works: three of place (forward, left, up), three of angle (yaw, pitch, roll), each made of
+/// the same few tones in its own measure and phase.
 #[derive(Debug, Clone, PartialEq)]
-struct Slow([[Tone; 3]; 6]);
+struct Slow {
+    tones: [Tone; 4],
+    /// Of sine and cosine of each tone in each motion.
+    shares: [[[f64; 2]; 4]; 6],
+}
 
 impl Slow {
-    fn new(rng: &mut ChaCha8Rng, place_m: f64, angle_rad: f64, bands_hz: [f64; 3]) -> Self {
-        let share = libm::sqrt(2.0 / 3.0);
-        Self([place_m, place_m, 0.5 * place_m, angle_rad, angle_rad, 0.5 * angle_rad].map(|rms| {
-            bands_hz.map(|band_hz| Tone {
-                amplitude: rms * share,
-                omega: TAU * between(rng, band_hz, 1.6 * band_hz),
-                phase: between(rng, 0.0, TAU),
+    fn new(rng: &mut ChaCha8Rng, place_m: f64, angle_rad: f64, bands_hz: [f64; 4]) -> Self {
+        let tones = bands_hz.map(|band_hz| Tone {
+            amplitude: 1.0,
+            omega: TAU * between(rng, band_hz, 1.5 * band_hz),
+            phase: between(rng, 0.0, TAU),
+        });
+        let motions = [place_m, place_m, 0.5 * place_m, angle_rad, angle_rad, 0.5 * angle_rad];
+        let shares = motions.map(|rms| {
+            core::array::from_fn(|_| {
+                let (sin, cos) = libm::sincos(between(rng, 0.0, TAU));
+                // Four tones of equal strength.
+                let amplitude = rms * core::f64::consts::FRAC_1_SQRT_2;
+                [amplitude * cos, amplitude * sin]
             })
-        }))
+        });
+        Self { tones, shares }
     }
 
     fn add(&self, time_s: f64, strength: Jet, shift: &mut JetVector, angles: [&mut Jet; 3]) {
         if strength == Jet::constant(0.0) {
             return;
         }
-        let at = |axis: usize| sum(&self.0[axis], time_s) * strength;
+        let waves = self.tones.map(|tone| {
+            let (sin, cos) = Jet::linear(tone.omega * time_s + tone.phase, tone.omega).sin_cos();
+            [sin * strength, cos * strength]
+        });
+        let motion = |number: usize| {
+            let parts = self.shares[number].iter().zip(&waves);
+            parts.fold(Jet::default(), |all, ([s, c], [sin, cos])| all + *sin * *s + *cos * *c)
+        };
         for axis in 0..3 {
-            shift.0[axis] = shift.0[axis] + at(axis);
+            shift.0[axis] = shift.0[axis] + motion(axis);
         }
         for (axis, angle) in angles.into_iter().enumerate() {
-            *angle = *angle + at(3 + axis);
+            *angle = *angle + motion(3 + axis);
         }
     }
 }
@@ -132,8 +152,8 @@ impl WaistMotion {
             postures,
             index,
             belt,
-            standing: Slow::new(rng, SWAY_M, SWAY_RAD, [0.12, 0.25, 0.5]),
-            working: Slow::new(rng, REACH_M, REACH_RAD, [0.1, 0.2, 0.37]),
+            standing: Slow::new(rng, SWAY_M, SWAY_RAD, [0.1, 0.2, 0.35, 0.6]),
+            working: Slow::new(rng, REACH_M, REACH_RAD, [0.08, 0.15, 0.25, 0.42]),
         }
     }
 
@@ -162,7 +182,8 @@ impl Motion for WaistMotion {
         let (from, to) = (&nodes[index], &nodes[index + 1]);
         let (long_s, since_s) = (to.time_s - from.time_s, time - from.time_s);
         let blend = ease(long_s, since_s);
-        let posture = self.posture(from.manner, from.effort).towards(&self.posture(to.manner, to.effort), blend);
+        let posture =
+            self.posture(from.manner, from.effort).towards(&self.posture(to.manner, to.effort), blend);
         let stance = posture.at(quintic(from.phase, to.phase, long_s, since_s));
         let (mut place, mut yaw, mut pitch, mut roll);
         if let Some(ride) = from.ride.and_then(|ride| self.steps.rides.get(ride as usize)) {
@@ -179,17 +200,14 @@ impl Motion for WaistMotion {
         (yaw, pitch, roll) = (yaw + stance.yaw, pitch + stance.pitch, roll + stance.roll);
         self.standing.add(time, posture.standing, &mut shift, [&mut yaw, &mut pitch, &mut roll]);
         self.working.add(time, posture.working, &mut shift, [&mut yaw, &mut pitch, &mut roll]);
-        let arm = JetVector::constant(&self.belt.offset_m);
-        place = place
-            + shift.turned_about_z(heading)
-            + arm.turned_about_x(roll).turned_about_y(pitch).turned_about_z(yaw);
-        let angles = Angles { yaw, pitch, roll };
+        let turn = Turn::new(yaw, pitch, roll);
+        place = place + shift.turned_about_z(heading) + turn.apply(&self.belt.offset_m);
         MotionState {
             position_m: place.value(),
             velocity_m_s: place.first(),
             acceleration_m_s2: place.second(),
-            attitude: angles.attitude() * self.belt.mounting,
-            angular_rate_rad_s: self.belt.mounting.inverse_transform_vector(&angles.rate_rad_s()),
+            attitude: turn.attitude() * self.belt.mounting,
+            angular_rate_rad_s: self.belt.mounting.inverse_transform_vector(&turn.rate_rad_s()),
             stance: from.manner == Manner::Still && to.manner == Manner::Still,
         }
     }

@@ -1,5 +1,4 @@
 //! Mines to move in.
-#![expect(dead_code, reason = "each test binary takes what it needs")]
 
 use adit_core::frames::Position;
 use adit_mine::Mine;
