@@ -1,6 +1,7 @@
 //! What comes out of a simulation: one sample after the other, each with its truth.
 
 use crate::marg::MagneticTruth;
+use crate::pressure::PressureTruth;
 use crate::radio::delivery::Stamped;
 use crate::radio::{RangeOutcome, RangeTruth};
 use crate::scenario::TruthState;
@@ -17,8 +18,8 @@ pub enum Emission {
     Imu(ImuSample, TruthState),
     /// Magnetometer.
     Magnetic(MagneticSample, MagneticTruth),
-    /// Barometer, and the true pressure, Pa.
-    Pressure(PressureSample, f64),
+    /// Barometer.
+    Pressure(PressureSample, PressureTruth),
     /// A position from outside, and the true one, level frame, m.
     Fix(PositionFix, Vector3<f64>),
     /// Signal strength.

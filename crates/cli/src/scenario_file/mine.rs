@@ -1,18 +1,23 @@
 //! The table `[mine]` of `kind = "mine"`: everybody in a mine, with their tags, the radio around them and what fails.
 
-use super::{Kind, Run, Scenario};
+use super::{Kind, Preset, Run, Scenario};
 use adit_mine::Mine;
 use adit_observation::sidecar::Sidecar;
 use adit_simulation::people::{Belt, PopulationSpec};
+use adit_simulation::pressure::{AirSpec, BarometerModel};
 use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
 use adit_simulation::radio::{Outage, RadioSpec};
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, TagStream, Workforce, WorkforceSpec};
 use adit_simulation::{Foot, IdealImu};
 use anyhow::{Context, Result};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use toml::Spanned;
+
+const BAROMETERS: [Preset<BarometerModel>; 3] =
+    [("ideal", BarometerModel::ideal), ("bmp280", BarometerModel::bmp280), ("bmp388", BarometerModel::bmp388)];
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -32,6 +37,9 @@ pub struct MineEntry {
     /// What everybody wears.
     #[serde(default)]
     tag: TagEntry,
+    /// The air of the mine.
+    #[serde(default)]
+    air: AirSpec,
     /// The radio of the mine.
     #[serde(default)]
     radio: RadioSpec,
@@ -42,10 +50,14 @@ pub struct MineEntry {
     delivery: Option<DeliveryEntry>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct TagEntry {
     mount: MountEntry,
+    /// Name of the barometer.
+    barometer: Option<Spanned<String>>,
+    /// Its rate, Hz, in place of its own.
+    barometer_hz: Option<f64>,
     radio: RadioRates,
 }
 
@@ -125,8 +137,15 @@ impl Scenario {
         let mut ideal: IdealImu = self.imu()?;
         // The Earth turns under every mine whose place on it is known.
         ideal.latitude_rad = ideal.latitude_rad.or_else(|| latitude_rad(&mine));
-        let outfit =
-            Outfit { mount: entry.tag.mount.mount(), ideal, imu, imu_hz, magnetic, radio: entry.tag.radio };
+        let outfit = Outfit {
+            mount: entry.tag.mount.mount(),
+            ideal,
+            imu,
+            imu_hz,
+            magnetic,
+            barometer: self.barometer(&entry.tag)?,
+            radio: entry.tag.radio,
+        };
         let (clock, link) = match &entry.delivery {
             Some(delivery) => (delivery.clock, delivery.link.clone()),
             None => (ClockSpec::perfect(), LinkSpec::perfect()),
@@ -135,6 +154,7 @@ impl Scenario {
             duration_s: entry.duration_s,
             population: entry.population.clone(),
             outfit,
+            air: entry.air.clone(),
             radio: entry.radio.clone(),
             outages: entry.outages.clone(),
             conveyors_s: entry.conveyors_s.clone(),
@@ -147,6 +167,14 @@ impl Scenario {
             return Err(self.source.error(&spanned.span(), what));
         }
         Ok(Everybody { workforce, truth_hz, sidecar })
+    }
+
+    fn barometer(&self, tag: &TagEntry) -> Result<Option<BarometerModel>> {
+        let Some(name) = &tag.barometer else { return Ok(None) };
+        let mut model = super::named("barometer", name, &BTreeMap::new(), &BAROMETERS, &self.source)?;
+        model.rate_hz = tag.barometer_hz.unwrap_or(model.rate_hz);
+        model.check().map_err(|error| self.source.refused(&name.span(), &error))?;
+        Ok(Some(model))
     }
 
     fn mine(&self, file: &Spanned<PathBuf>) -> Result<Arc<Mine>> {

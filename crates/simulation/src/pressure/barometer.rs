@@ -21,6 +21,7 @@ use crate::error::{SimulationError, check_within};
 use crate::motion::Motion;
 use adit_core::time::Time;
 use adit_observation::PressureSample;
+use core::borrow::Borrow;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -144,9 +145,9 @@ pub struct PressureTruth {
 
 /// Readings of a barometer that moves through a mine, with their truth, to the end of the motion.
 #[derive(Debug, Clone)]
-pub struct Barometer<'a, M> {
+pub struct Barometer<M, A> {
     motion: M,
-    air: &'a MineAir,
+    air: A,
     model: BarometerModel,
     rng: ChaCha8Rng,
     offset_pa: f64,
@@ -157,11 +158,11 @@ pub struct Barometer<'a, M> {
     count: u64,
 }
 
-impl<'a, M: Motion> Barometer<'a, M> {
-    /// A barometer on a motion in mine coordinates; `seed` fixes its errors.
+impl<M: Motion, A: Borrow<MineAir>> Barometer<M, A> {
+    /// A barometer on a motion in mine coordinates, in air that is borrowed or shared; `seed` fixes its errors.
     pub fn new(
         motion: M,
-        air: &'a MineAir,
+        air: A,
         model: &BarometerModel,
         seed: u64,
     ) -> Result<Self, SimulationError> {
@@ -193,7 +194,7 @@ impl<'a, M: Motion> Barometer<'a, M> {
     }
 }
 
-impl<M: Motion> Iterator for Barometer<'_, M> {
+impl<M: Motion, A: Borrow<MineAir>> Iterator for Barometer<M, A> {
     type Item = (PressureSample, PressureTruth);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -204,15 +205,16 @@ impl<M: Motion> Iterator for Barometer<'_, M> {
         }
         self.count += 1;
         let place = self.motion.at(time.seconds()).position_m;
-        let pressure_pa = self.air.pressure_pa(&place, time.seconds());
-        let calm_pa = self.air.column().pressure_pa(place.z) + self.air.weather_pa(time.seconds());
+        let air = self.air.borrow();
+        let pressure_pa = air.pressure_pa(&place, time.seconds());
+        let calm_pa = air.column().pressure_pa(place.z) + air.weather_pa(time.seconds());
 
         let keep =
             if self.model.response_s > 0.0 { libm::exp(-interval_s / self.model.response_s) } else { 0.0 };
         let filtered_pa =
             self.filtered_pa.map_or(pressure_pa, |before| pressure_pa + keep * (before - pressure_pa));
         self.filtered_pa = Some(filtered_pa);
-        let around_k = self.air.column().temperature_k(place.z) + self.model.warmth_k;
+        let around_k = air.column().temperature_k(place.z) + self.model.warmth_k;
         let lag = libm::exp(-interval_s / self.model.warming_s);
         self.temperature_k = around_k + lag * (self.temperature_k - around_k);
         let remember = libm::exp(-interval_s / self.model.drift_correlation_s);

@@ -39,6 +39,10 @@ impl Crowd {
         })
     }
 
+    pub fn people(&self) -> impl Iterator<Item = &Person> {
+        self.people.iter().map(AsRef::as_ref)
+    }
+
     pub fn person(&self, index: usize) -> Option<&Arc<Person>> {
         self.people.get(index)
     }

@@ -23,6 +23,7 @@ pub use stream::TagStream;
 
 use crate::error::{SimulationError, check_within};
 use crate::people::{Population, PopulationSpec};
+use crate::pressure::{AirSpec, MineAir, Passage};
 use crate::radio::delivery::{ClockSpec, LinkSpec};
 use crate::radio::{Outage, RadioSpec, RadioWorld};
 use adit_mine::Mine;
@@ -38,6 +39,8 @@ pub struct WorkforceSpec {
     pub population: PopulationSpec,
     /// What everybody wears.
     pub outfit: Outfit,
+    /// The air of the mine.
+    pub air: AirSpec,
     /// The radio of the mine.
     pub radio: RadioSpec,
     /// What fails when.
@@ -59,6 +62,7 @@ pub struct Workforce {
     radio: RadioWorld,
     population: Population,
     crowd: Crowd,
+    air: Option<Arc<MineAir>>,
 }
 
 impl Workforce {
@@ -72,7 +76,17 @@ impl Workforce {
         let radio = RadioWorld::new(Arc::clone(&mine), &spec.radio, &spec.outages, seed)?;
         let population = Population::new(&mine, &spec.population, seed)?;
         let crowd = Crowd::new(&population)?;
-        Ok(Arc::new(Self { spec, seed, mine, radio, population, crowd }))
+        // Only who reads a barometer needs the air, and everybody's passages through doors.
+        let air = match spec.outfit.barometer {
+            None => None,
+            Some(_) => {
+                let mut air = MineAir::new(&mine, &spec.air, seed)?;
+                let passages: Vec<Passage> = crowd.people().flat_map(|person| air.passages_of(person)).collect();
+                air.open_doors(passages);
+                Some(Arc::new(air))
+            }
+        };
+        Ok(Arc::new(Self { spec, seed, mine, radio, population, crowd, air }))
     }
 
     /// Number of people.

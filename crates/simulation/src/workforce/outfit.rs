@@ -8,6 +8,7 @@ use crate::magnetic::MagneticWorld;
 use crate::magnetometer::MagnetometerModel;
 use crate::motion::{Motion, MotionState};
 use crate::people::{Belt, FootMotion, Person, WaistMotion};
+use crate::pressure::BarometerModel;
 use crate::radio::RangeDetail;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +50,8 @@ pub struct Outfit {
     pub imu_hz: f64,
     /// Magnetometer and field, where it has one.
     pub magnetic: Option<(MagneticWorld, MagnetometerModel)>,
+    /// Barometer, where it has one.
+    pub barometer: Option<BarometerModel>,
     /// Radios.
     pub radio: RadioRates,
 }

@@ -8,6 +8,7 @@ use crate::error::SimulationError;
 use crate::marg::MargGenerator;
 use crate::motion::Motion;
 use crate::people::Person;
+use crate::pressure::{Barometer, MineAir};
 use crate::radio::delivery::{Delivery, DeviceClock, Stamped};
 use crate::radio::{Antenna, RangeOutcome, Surroundings, Tag};
 use crate::scenario::Generator;
@@ -44,7 +45,7 @@ impl TagStream {
         let spec = workforce.spec();
         let (seed, number) = (workforce.seed, person as u64);
         let worn = Arc::new(Worn::new(&wearer, spec.outfit.mount, spec.duration_s));
-        let local = Local::new(&workforce, Arc::clone(&worn), number)?;
+        let local = Local::new(&workforce, &worn, number)?;
         let (clock, link) = (spec.clock, spec.link.clone());
         let radios = Radios::new(Arc::clone(&workforce), Arc::clone(&worn), Arc::clone(&wearer), person);
         let radio = Delivery::new(radios, &clock, &link, seed, number)?.peekable();
@@ -85,28 +86,60 @@ impl Iterator for TagStream {
     }
 }
 
-/// What the tag measures on its own, in order of time.
+/// What the tag measures on its own, in order of time; the barometer after the others.
 #[derive(Debug, Clone)]
-enum Local {
+struct Local {
+    inertial: Peekable<Inertial>,
+    barometer: Option<Peekable<Barometer<Arc<Worn>, Arc<MineAir>>>>,
+}
+
+/// The IMU, with or without a magnetometer.
+#[derive(Debug, Clone)]
+enum Inertial {
     Imu(Box<Generator<Arc<Worn>>>),
     Marg(Box<MargGenerator<Arc<Worn>>>),
 }
 
 impl Local {
-    fn new(workforce: &Workforce, worn: Arc<Worn>, person: u64) -> Result<Self, SimulationError> {
+    fn new(workforce: &Workforce, worn: &Arc<Worn>, person: u64) -> Result<Self, SimulationError> {
         let outfit = &workforce.spec().outfit;
         let seed = workforce.seed.wrapping_add(SENSOR_STEP.wrapping_mul(person));
-        let imu = Generator::new(worn, outfit.ideal, outfit.imu_hz, &outfit.imu, seed)?;
-        Ok(match &outfit.magnetic {
-            None => Self::Imu(Box::new(imu)),
-            Some((world, model)) => Self::Marg(Box::new(imu.with_magnetometer(world.clone(), model, seed)?)),
-        })
+        let imu = Generator::new(Arc::clone(worn), outfit.ideal, outfit.imu_hz, &outfit.imu, seed)?;
+        let inertial = match &outfit.magnetic {
+            None => Inertial::Imu(Box::new(imu)),
+            Some((world, model)) => {
+                Inertial::Marg(Box::new(imu.with_magnetometer(world.clone(), model, seed)?))
+            }
+        };
+        let barometer = match (&outfit.barometer, &workforce.air) {
+            (Some(model), Some(air)) => {
+                Some(Barometer::new(Arc::clone(worn), Arc::clone(air), model, seed)?.peekable())
+            }
+            _ => None,
+        };
+        Ok(Self { inertial: inertial.peekable(), barometer })
     }
 }
 
 impl Iterator for Local {
     type Item = Emission;
 
+    #[inline]
+    fn next(&mut self) -> Option<Emission> {
+        if let Some(barometer) = &mut self.barometer
+            && let Some((pressure, _)) = barometer.peek()
+            && self.inertial.peek().is_none_or(|other| pressure.time < other.time())
+        {
+            return barometer.next().map(|(sample, truth)| Emission::Pressure(sample, truth));
+        }
+        self.inertial.next()
+    }
+}
+
+impl Iterator for Inertial {
+    type Item = Emission;
+
+    #[inline]
     fn next(&mut self) -> Option<Emission> {
         match self {
             Self::Imu(generator) => generator.next().map(|(sample, truth)| Emission::Imu(sample, truth)),
