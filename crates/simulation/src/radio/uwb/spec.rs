@@ -121,7 +121,7 @@ impl Default for UwbSpec {
             exponent: 1.8,
             shadowing_sigma_db: 2.0,
             shadowing_correlation_m: 3.0,
-            corner_loss_db: 25.0,
+            corner_loss_db: 15.0,
             door_loss_db: 12.0,
             sensitivity_dbm: -101.0,
             most_way_m: 60.0,
