@@ -43,7 +43,9 @@ impl<'de> Deserialize<'de> for DeviceId {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = alloc::string::String::deserialize(deserializer)?;
         Self::new(&name).ok_or_else(|| {
-            serde::de::Error::custom(format_args!("\"{name}\" is no name of a device: 1 to 64 bytes, no blanks around"))
+            serde::de::Error::custom(format_args!(
+                "\"{name}\" is no name of a device: 1 to 64 bytes, no blanks around"
+            ))
         })
     }
 }

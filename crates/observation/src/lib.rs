@@ -73,9 +73,9 @@ pub mod tum;
 #[cfg(feature = "std")]
 mod warning;
 
+pub use device::DeviceId;
 #[cfg(feature = "std")]
 pub use error::{At, LogError, Place};
-pub use device::DeviceId;
 pub use fix::{FixSource, HeightFix, PositionFix};
 pub use imu::{ImuSample, ImuSpecification, MagneticSample};
 #[cfg(feature = "std")]

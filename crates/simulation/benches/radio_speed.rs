@@ -10,7 +10,8 @@ use std::path::Path;
 fn speed(criterion: &mut Criterion) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../mines/two-level.toml");
     let Ok((mine, _)) = adit_mine::file::open(&file) else { return };
-    let Some(edge) = mine.network().edges().iter().max_by(|a, b| a.length_m().total_cmp(&b.length_m())) else {
+    let Some(edge) = mine.network().edges().iter().max_by(|a, b| a.length_m().total_cmp(&b.length_m()))
+    else {
         return;
     };
     let people: Vec<Obstacle> = (0..200)

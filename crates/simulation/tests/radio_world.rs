@@ -3,10 +3,12 @@
 use adit_core::frames::Position;
 use adit_core::nalgebra::Vector3;
 use adit_mine::Mine;
-use adit_mine::plan::{AccessPoint, Anchor, Door, DoorKind, Grid, Level, MinePlan, Pillar, Roadway, RoadwayKind};
+use adit_mine::plan::{
+    AccessPoint, Anchor, Door, DoorKind, Grid, Level, MinePlan, Pillar, Roadway, RoadwayKind,
+};
 use adit_simulation::radio::{
-    Antenna, Dead, LinkClass, MultipathSpec, Obstacle, Outage, RadioSpec, RadioWorld, RangeDetail, RangeOutcome,
-    RssiSpec, Shape, Surroundings, UwbSpec,
+    Antenna, Dead, LinkClass, MultipathSpec, Obstacle, Outage, RadioSpec, RadioWorld, RangeDetail,
+    RangeOutcome, RssiSpec, Shape, Surroundings, UwbSpec,
 };
 
 /// A straight roadway of 100 m east and one of 60 m north from its end, 4 m wide.
@@ -146,7 +148,11 @@ fn people_vehicles_pillars_and_the_wearer_block() {
     let truck = Obstacle {
         foot_m: Vector3::new(45.0, 0.9, 0.0),
         height_m: 2.6,
-        shape: Shape::Box { half_length_m: 3.0, half_width_m: 1.0, heading_rad: core::f64::consts::FRAC_PI_2 },
+        shape: Shape::Box {
+            half_length_m: 3.0,
+            half_width_m: 1.0,
+            heading_rad: core::f64::consts::FRAC_PI_2,
+        },
     };
     let behind = ranges(&world, &Antenna { position_m: here, facing_rad: None }, &[truck]);
     assert!(of(&behind, "a1").is_none_or(|o| o.truth.blockers.others == 1));
@@ -239,7 +245,13 @@ fn ranges_are_the_same_whatever_is_told_beside_them_and_whoever_else_is_simulate
         let mut out = Vec::new();
         for step in 0..300 {
             let time_s = f64::from(step) * 0.1;
-            tag.ranges(&world, time_s, &free(30.0 + 0.1 * f64::from(step), 0.3), &Surroundings::default(), &mut out);
+            tag.ranges(
+                &world,
+                time_s,
+                &free(30.0 + 0.1 * f64::from(step), 0.3),
+                &Surroundings::default(),
+                &mut out,
+            );
         }
         out
     };

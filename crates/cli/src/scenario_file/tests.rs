@@ -162,7 +162,12 @@ fn mistake(good: &str, right: &str, wrong: &str) -> String {
 fn every_mistake_in_a_walk_is_told_with_its_line_and_what_to_do() {
     assert!(parse(GOOD).unwrap().generate(1).is_ok());
     for (right, wrong, line, told) in [
-        ("\"foot-walk\"", "\"flight\"", 1, "unknown variant `flight`, expected one of `foot-walk`, `tumble`, `roadway-walk`"),
+        (
+            "\"foot-walk\"",
+            "\"flight\"",
+            1,
+            "unknown variant `flight`, expected one of `foot-walk`, `tumble`, `roadway-walk`",
+        ),
         ("\"xsens-mti-g\"", "\"xsens\"", 2, "unknown sensor \"xsens\", expected mine, ideal, adis16448,"),
         ("rate_hz = 100.0", "rate_hz = 1.0", 3, "rate_hz is 1, expected 10 to 10000 Hz"),
         ("45.8", "145.8", 4, "latitude_deg is 145.8, expected -90 to 90 degrees"),

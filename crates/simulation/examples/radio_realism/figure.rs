@@ -37,11 +37,25 @@ impl Panel {
             let value = self.low + share * (self.high - self.low);
             let (x, _) = self.place(value, 0.0);
             let digits = if self.high - self.low < 4.0 { 2 } else { 0 };
-            let _ = writeln!(text, "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{value:.digits$}</text>", bottom + 14.0);
+            let _ = writeln!(
+                text,
+                "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{value:.digits$}</text>",
+                bottom + 14.0
+            );
             let (_, y) = self.place(self.low, share);
-            let _ = writeln!(text, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{share:.2}</text>", left - 4.0, y + 4.0);
+            let _ = writeln!(
+                text,
+                "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{share:.2}</text>",
+                left - 4.0,
+                y + 4.0
+            );
         }
-        let _ = writeln!(text, "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>", 0.5 * (left + right), bottom + 29.0);
+        let _ = writeln!(
+            text,
+            "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
+            0.5 * (left + right),
+            bottom + 29.0
+        );
         text
     }
 
@@ -53,7 +67,10 @@ impl Panel {
             })
             .collect();
         let dash = if dashed { " stroke-dasharray=\"5 3\"" } else { "" };
-        format!("<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.6\"{dash}/>\n", path.join(" "))
+        format!(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.6\"{dash}/>\n",
+            path.join(" ")
+        )
     }
 }
 
@@ -78,7 +95,8 @@ pub fn draw(recorded: &[Response], simulated: &[Response]) -> String {
     for (column, class) in Class::ALL.into_iter().enumerate() {
         let x = column as f64 * PANEL.0;
         let panel = Panel { x, y: 30.0, low: -10.0, high: 70.0 };
-        text += &panel.frame(&format!("{}: amplitude / peak, median", class.name()), "taps after the first path");
+        text +=
+            &panel.frame(&format!("{}: amplitude / peak, median", class.name()), "taps after the first path");
         text += &panel.curve(shape(recorded, class).into_iter(), RECORDED, false);
         text += &panel.curve(shape(simulated, class).into_iter(), SIMULATED, true);
         for (row, feature) in DRAWN.into_iter().enumerate() {

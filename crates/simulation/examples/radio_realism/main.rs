@@ -28,7 +28,7 @@ fn main() -> Outcome<()> {
         return Ok(());
     }
     let recorded = responses::recorded(data)?;
-    let simulated = responses::simulated(&sites::apartment(data)?, 60)?;
+    let simulated = responses::simulated(&sites::apartment(data)?, 20)?;
     let mut text = responses::table(&recorded, &simulated);
     text += "\n";
     text += &classes::table(&recorded, &simulated);

@@ -67,7 +67,11 @@ fn rows(set: &str, recorded: Errors, simulated: Errors) -> String {
                 quantile(errors, 0.95),
                 quantile(errors, 0.75) - quantile(errors, 0.25),
                 tail_index(errors),
-                if source == "simulated" { format!("{:.2}", kolmogorov_smirnov(&recorded[class], errors)) } else { String::new() },
+                if source == "simulated" {
+                    format!("{:.2}", kolmogorov_smirnov(&recorded[class], errors))
+                } else {
+                    String::new()
+                },
             );
         }
     }
@@ -132,7 +136,8 @@ fn outdoor(data: &Path) -> Outcome<String> {
         let found: Vec<usize> = (0..rows.len()).filter(of).collect();
         let take = |f: &dyn Fn(usize) -> f64| median(&found.iter().map(|row| f(*row)).collect::<Vec<_>>());
         let rx = take(&|row| rows.number(row, "rx_power_dBm"));
-        let difference = take(&|row| rows.number(row, "rx_power_dBm") - rows.number(row, "first_path_power_dBm"));
+        let difference =
+            take(&|row| rows.number(row, "rx_power_dBm") - rows.number(row, "first_path_power_dBm"));
         let error = take(&|row| rows.number(row, "range_m") - rows.number(row, "true_range_m"));
         let site = |seed: u64| Site {
             group: String::new(),
@@ -154,7 +159,11 @@ fn outdoor(data: &Path) -> Outcome<String> {
                 zero[which] = error;
             }
             let source = ["recorded", "simulated"][which];
-            let _ = writeln!(text, "| {source} | {distance:.0} | {rx:.1} | {difference:.1} | {:.2} |", error - zero[which]);
+            let _ = writeln!(
+                text,
+                "| {source} | {distance:.0} | {rx:.1} | {difference:.1} | {:.2} |",
+                error - zero[which]
+            );
         }
     }
     Ok(text)
@@ -165,8 +174,10 @@ fn person(data: &Path) -> Outcome<String> {
     let folder = data.join("uwb-person");
     let anchors = Rows::read(&folder.join("anchors.csv"))?;
     let place = |anchor: usize| -> Option<[f64; 2]> {
-        let row = (0..anchors.len())
-            .find(|row| anchors.text(*row, "setup") == "lab" && anchors.text(*row, "anchor").ends_with(&anchor.to_string()))?;
+        let row = (0..anchors.len()).find(|row| {
+            anchors.text(*row, "setup") == "lab"
+                && anchors.text(*row, "anchor").ends_with(&anchor.to_string())
+        })?;
         Some(["x_m", "y_m"].map(|name| anchors.number(row, name)))
     };
     let error = |run: &str, anchor: usize| -> Outcome<f64> {
@@ -190,7 +201,8 @@ fn person(data: &Path) -> Outcome<String> {
             tag_m: [3.0 + 0.02 * seed as f64, 0.05 * seed as f64, 1.2],
         };
         let error = |class| -> Outcome<f64> {
-            let errors: Vec<f64> = exchanges(&site(class), &flat(), seed, 9)?.iter().map(|r| r.error_m).collect();
+            let errors: Vec<f64> =
+                exchanges(&site(class), &flat(), seed, 9)?.iter().map(|r| r.error_m).collect();
             Ok(median(&errors))
         };
         let shift = error(Class::Nlos)? - error(Class::Los)?;
@@ -198,7 +210,7 @@ fn person(data: &Path) -> Outcome<String> {
     }
     let listed: Vec<String> = shifts.iter().map(|s| format!("{s:.2}")).collect();
     Ok(format!(
-        "| a person in the way lengthens a range by, m | |\n|---|---|\n| `uwb-person`, four anchors of the laboratory | {} |\n| simulated, obstacles 0.15 to 0.9 m wide: median (10 %, 90 %) | {:.2} ({:.2}, {:.2}) |\n",
+        "| a person in the way lengthens a range by, m | |\n|---|---|\n| `uwb-person`, four anchors of the laboratory | {} |\n| simulated, obstacles 0.3 to 1.3 m wide: median (10 %, 90 %) | {:.2} ({:.2}, {:.2}) |\n",
         listed.join(", "),
         median(&simulated),
         quantile(&simulated, 0.1),

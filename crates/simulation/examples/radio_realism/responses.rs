@@ -23,6 +23,9 @@ pub const FEATURES: [&str; 9] = [
     "preamble symbols",
 ];
 
+/// Rooms with other echoes and other pillars for each recorded geometry.
+const ROOMS: u64 = 8;
+
 /// What one response shows.
 #[derive(Debug, Clone)]
 pub struct Response {
@@ -30,7 +33,6 @@ pub struct Response {
     pub class: Class,
     pub features: [f64; 9],
     pub rx_power_dbm: f64,
-    pub distance_m: f64,
     pub error_m: f64,
     /// Amplitude against the largest, from 10 taps before the first path.
     pub shape: Vec<f64>,
@@ -44,8 +46,11 @@ fn features(amplitude: &[f64], first: f64, difference_db: f64, symbols: f64) -> 
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "12 to 120")]
     let at = at as usize;
-    let (peak_tap, peak) =
-        amplitude.iter().copied().enumerate().fold((0, 0.0), |best, now| if now.1 > best.1 { now } else { best });
+    let (peak_tap, peak) = amplitude
+        .iter()
+        .copied()
+        .enumerate()
+        .fold((0, 0.0), |best, now| if now.1 > best.1 { now } else { best });
     let before = &amplitude[..at - 4];
     let quiet = (before.iter().map(|a| a * a).sum::<f64>() / before.len() as f64).sqrt();
     let rise = |share: f64| amplitude.iter().position(|a| *a >= share * peak).unwrap_or(0) as f64;
@@ -57,7 +62,8 @@ fn features(amplitude: &[f64], first: f64, difference_db: f64, symbols: f64) -> 
     };
     let mean = moment(0.0, 1);
     let average = window.iter().sum::<f64>() / window.len() as f64;
-    let central = |order: i32| window.iter().map(|a| (a - average).powi(order)).sum::<f64>() / window.len() as f64;
+    let central =
+        |order: i32| window.iter().map(|a| (a - average).powi(order)).sum::<f64>() / window.len() as f64;
     let early: f64 = amplitude[at - 1..at + 4].iter().map(power).sum();
     Some([
         peak_tap as f64 - first,
@@ -77,11 +83,14 @@ pub fn recorded(data: &Path) -> Outcome<Vec<Response>> {
     let folder = data.join("uwb-cir");
     let rows = Rows::read(&folder.join("meta.csv.gz"))?;
     let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(std::fs::File::open(folder.join("cir_i16le.bin.gz"))?).read_to_end(&mut bytes)?;
+    flate2::read::GzDecoder::new(std::fs::File::open(folder.join("cir_i16le.bin.gz"))?)
+        .read_to_end(&mut bytes)?;
     let response = |(row, block): (usize, &[u8])| {
         let amplitude: Vec<f64> = block
             .chunks_exact(4)
-            .map(|b| f64::from(i16::from_le_bytes([b[0], b[1]])).hypot(f64::from(i16::from_le_bytes([b[2], b[3]]))))
+            .map(|b| {
+                f64::from(i16::from_le_bytes([b[0], b[1]])).hypot(f64::from(i16::from_le_bytes([b[2], b[3]])))
+            })
             .collect();
         let number = |name| rows.number(row, name);
         let first = number("first_path_index_tap") - 700.0;
@@ -94,7 +103,6 @@ pub fn recorded(data: &Path) -> Outcome<Vec<Response>> {
             class: Class::ALL.into_iter().find(|c| c.name() == rows.text(row, "label"))?,
             features,
             rx_power_dbm: number("rx_power_dBm"),
-            distance_m: number("true_range_m"),
             error_m: number("range_m") - number("true_range_m"),
             shape: shape(&amplitude, first),
         })
@@ -112,18 +120,28 @@ fn shape(amplitude: &[f64], first: f64) -> Vec<f64> {
 
 /// What a flat does to UWB: stronger and earlier echoes than a roadway, and no bends.
 pub fn flat() -> RadioSpec {
-    let mut spec = RadioSpec { uwb: UwbSpec { missed: 0.0, outliers: 0.0, ..UwbSpec::default() }, ..RadioSpec::default() };
-    spec.uwb.multipath.echoes_db = 3.0;
+    let mut spec = RadioSpec {
+        uwb: UwbSpec { missed: 0.0, outliers: 0.0, ..UwbSpec::default() },
+        ..RadioSpec::default()
+    };
+    spec.uwb.multipath.echoes_db = -1.5;
     spec.uwb.multipath.early_db = 0.0;
+    spec.uwb.multipath.early_ns = 2.5;
+    spec.uwb.obstruction_excess_m = 0.0;
+    spec.uwb.antenna_gain_db = 0.0;
+    spec.uwb.multipath.blocked_echo_loss = 0.65;
     spec.uwb.most_way_m = 100.0;
     spec
 }
 
-/// Responses of rooms like these, `count` of each, the tag swaying by a centimetre.
+/// Responses of rooms like these, each site in [`ROOMS`] rooms, `count` of each, the tag swaying by a centimetre.
 pub fn simulated(sites: &[Site], count: u32) -> Outcome<Vec<Response>> {
     let mut responses = Vec::new();
-    for (seed, site) in (0..).zip(sites) {
-        responses.extend(exchanges(site, &flat(), seed, count)?);
+    for (number, site) in (0..).zip(sites) {
+        for room in 0..ROOMS {
+            let site = Site { group: format!("{} in room {room}", site.group), ..site.clone() };
+            responses.extend(exchanges(&site, &flat(), number * ROOMS + room, count)?);
+        }
     }
     Ok(responses)
 }
@@ -157,7 +175,6 @@ pub fn exchanges(site: &Site, spec: &RadioSpec, seed: u64, count: u32) -> Outcom
                 class: site.class,
                 features,
                 rx_power_dbm,
-                distance_m: outcome.truth.distance_m,
                 error_m: outcome.sample.range_m - outcome.truth.distance_m,
                 shape: shape(&amplitude, first),
             });
@@ -179,16 +196,16 @@ pub fn table(recorded: &[Response], simulated: &[Response]) -> String {
     for (number, name) in FEATURES.iter().enumerate() {
         for class in Class::ALL {
             let (a, b) = (values(recorded, class, number), values(simulated, class, number));
-            let told = |v: &[f64]| {
-                format!("{:.2} ({:.2}, {:.2})", median(v), quantile(v, 0.1), quantile(v, 0.9))
-            };
+            let told =
+                |v: &[f64]| format!("{:.2} ({:.2}, {:.2})", median(v), quantile(v, 0.1), quantile(v, 0.9));
             let mut groups: Vec<&str> =
                 recorded.iter().filter(|r| r.class == class).map(|r| r.group.as_str()).collect();
             groups.sort_unstable();
             groups.dedup();
             let half = |odd: usize| -> Vec<f64> {
                 let of = |r: &&Response| {
-                    groups.iter().position(|g| *g == r.group).is_some_and(|p| p % 2 == odd) && r.class == class
+                    groups.iter().position(|g| *g == r.group).is_some_and(|p| p % 2 == odd)
+                        && r.class == class
                 };
                 recorded.iter().filter(of).map(|r| r.features[number]).collect()
             };

@@ -16,7 +16,8 @@ impl Rows {
     pub fn read(path: &Path) -> Outcome<Self> {
         let file = File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
         let packed = path.extension().is_some_and(|end| end == "gz");
-        let input: Box<dyn Read> = if packed { Box::new(flate2::read::GzDecoder::new(file)) } else { Box::new(file) };
+        let input: Box<dyn Read> =
+            if packed { Box::new(flate2::read::GzDecoder::new(file)) } else { Box::new(file) };
         let mut reader = csv::Reader::from_reader(input);
         let header = reader.headers()?.iter().map(str::to_owned).collect();
         let rows = reader.records().collect::<Result<_, _>>()?;

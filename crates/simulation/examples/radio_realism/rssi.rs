@@ -52,7 +52,8 @@ fn row(set: &str, source: &str, shown: &[Shown]) -> String {
         let values: Vec<f64> = shown.iter().map(of).collect();
         format!("{:.1} ({:.1} to {:.1})", median(&values), quantile(&values, 0.0), quantile(&values, 1.0))
     };
-    let correlation: Vec<String> = (0..3).map(|lag| format!("{:.2}", middle(&|s| s.correlation[lag]))).collect();
+    let correlation: Vec<String> =
+        (0..3).map(|lag| format!("{:.2}", middle(&|s| s.correlation[lag]))).collect();
     format!(
         "| {set} | {source} | {} | {} | {:.1} | {} |\n",
         spread(&|s| s.exponent),
@@ -66,7 +67,8 @@ fn shown(cells: &[Cell], at_m: [f64; 2]) -> Option<Shown> {
     if cells.len() < 20 {
         return None;
     }
-    let means: Vec<f64> = cells.iter().map(|c| c.readings.iter().sum::<f64>() / c.readings.len() as f64).collect();
+    let means: Vec<f64> =
+        cells.iter().map(|c| c.readings.iter().sum::<f64>() / c.readings.len() as f64).collect();
     let decades: Vec<f64> = cells
         .iter()
         .map(|c| (c.place_m[0] - at_m[0]).hypot(c.place_m[1] - at_m[1]).max(0.5).log10())
@@ -104,7 +106,8 @@ fn grid(data: &Path, hall: &str) -> Outcome<(Vec<Shown>, Vec<Shown>)> {
             let place_m = ["x_m", "y_m"].map(|name| scans.number(scan, name));
             let rssi = scans.number(scan, &column);
             if rssi.is_finite() {
-                let cell = cells.entry(format!("{place_m:?}")).or_insert(Cell { place_m, readings: Vec::new() });
+                let cell =
+                    cells.entry(format!("{place_m:?}")).or_insert(Cell { place_m, readings: Vec::new() });
                 cell.readings.push(rssi);
             }
         }
@@ -239,5 +242,10 @@ fn tracks(data: &Path) -> Outcome<String> {
         }
     }
     let (_, slope, residuals) = line(&decades, &values);
-    Ok(format!("| `ble-tracks`, {} packets | recorded | {:.1} | {:.1} | – | – |\n", values.len(), -slope / 10.0, deviation(&residuals)))
+    Ok(format!(
+        "| `ble-tracks`, {} packets | recorded | {:.1} | {:.1} | – | – |\n",
+        values.len(),
+        -slope / 10.0,
+        deviation(&residuals)
+    ))
 }

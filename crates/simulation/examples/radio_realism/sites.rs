@@ -1,6 +1,6 @@
 //! Rooms like those of the recorded sets: the same distances, something in between where the set says so.
 //!
-//! No set has a plan of its walls, so a blocked link gets a pillar of its own: up to 0.9 m wide for NLOS, 1.2 to 3 m for no direct path. The
+//! No set has a plan of its walls, so a blocked link gets a pillar of its own: 0.3 to 1.3 m wide for NLOS, 1.2 to 2.5 m for no direct path. The
 //! wall of a flat lets some of the signal through, a pillar here does not; the power that arrives is alike, its way is not.
 
 use super::Outcome;
@@ -89,8 +89,8 @@ pub fn room(site: &Site, draw: f64) -> Outcome<Mine> {
     });
     let width_m = match site.class {
         Class::Los => return Ok(Mine::new(plan)?),
-        Class::Nlos => 0.15 + 0.75 * draw,
-        Class::Ndp => 1.2 + 1.8 * draw,
+        Class::Nlos => 0.3 + 1.0 * draw,
+        Class::Ndp => 1.2 + 1.3 * draw,
     };
     let (run, middle) = ([tx - ax, ty - ay], [0.5 * (tx + ax), 0.5 * (ty + ay)]);
     let length = run[0].hypot(run[1]);

@@ -167,15 +167,9 @@ pub(crate) fn wearer(antenna: &Antenna, body: &super::spec::BodySpec) -> Option<
     let heading = antenna.facing_rad?;
     let (sin, cos) = libm::sincos(heading);
     let behind = body.half_width_m + body.gap_m;
-    let foot_m = antenna.position_m
-        - Vector3::new(sin * behind, cos * behind, body.tag_height_m);
-    Some(Obstacle {
-        foot_m,
-        height_m: body.height_m,
-        shape: Shape::Round { radius_m: body.half_width_m },
-    })
+    let foot_m = antenna.position_m - Vector3::new(sin * behind, cos * behind, body.tag_height_m);
+    Some(Obstacle { foot_m, height_m: body.height_m, shape: Shape::Round { radius_m: body.half_width_m } })
 }
-
 
 #[cfg(test)]
 mod tests {
@@ -196,7 +190,9 @@ mod tests {
         assert!(!detour(&Obstacle::person(Vector3::new(0.0, -4.0, 0.0)), anchor).blocked);
         assert!(!detour(&Obstacle::person(Vector3::new(0.0, 14.0, 0.0)), anchor).blocked);
         // Over the head: the line to an anchor at 3 m is at 2.0 m there.
-        assert!(!detour(&Obstacle::person(Vector3::new(0.0, 4.2, 0.0)), Vector3::new(0.0, 10.0, 3.0)).blocked);
+        assert!(
+            !detour(&Obstacle::person(Vector3::new(0.0, 4.2, 0.0)), Vector3::new(0.0, 10.0, 3.0)).blocked
+        );
     }
 
     #[test]

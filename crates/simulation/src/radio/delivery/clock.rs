@@ -7,7 +7,8 @@ use crate::error::{SimulationError, check_within};
 use crate::radio::keyed::{Key, normal};
 use adit_core::time::Time;
 use adit_observation::{
-    ImuSample, MagneticSample, Observation, PositionFix, PressureSample, RangeSample, Sighting, SignalStrength,
+    ImuSample, MagneticSample, Observation, PositionFix, PressureSample, RangeSample, Sighting,
+    SignalStrength,
 };
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};

@@ -46,8 +46,7 @@ pub(crate) fn add(taps: &mut [[f32; 2]], at_tap: f32, [re, im]: [f32; 2]) {
         clippy::cast_precision_loss,
         reason = "the fraction is 0 to 1, the index is checked"
     )]
-    let (first, step) =
-        (floor as i64 - HALF_TAPS as i64, ((at_tap - floor) * STEPS as f32 + 0.5) as usize);
+    let (first, step) = (floor as i64 - HALF_TAPS as i64, ((at_tap - floor) * STEPS as f32 + 0.5) as usize);
     let row = &TABLE[step.min(STEPS)];
     if let Ok(first) = usize::try_from(first)
         && let Some(taps) = taps.get_mut(first..first + WIDTH)
@@ -66,7 +65,9 @@ mod tests {
     #[test]
     fn the_pulse_has_the_edge_of_the_recorded_set() {
         // Taps before the peak and height, medians of geometry 46 of `uwb-cir`; its scatter over the geometries is 0.05.
-        for (before, height) in [(0.0, 1.0), (1.4, 0.53), (1.9, 0.255), (2.4, 0.109), (2.9, 0.03), (3.4, 0.009)] {
+        for (before, height) in
+            [(0.0, 1.0), (1.4, 0.53), (1.9, 0.255), (2.4, 0.109), (2.9, 0.03), (3.4, 0.009)]
+        {
             assert!((pulse(-before) - height).abs() < 0.05, "{before}: {}", pulse(-before));
         }
         assert_eq!(pulse(1.1), pulse(-1.1));
@@ -81,7 +82,10 @@ mod tests {
         let mixed: f64 = (-2_000..2_000)
             .map(|i| {
                 let x = f64::from(i) * 1e-3;
-                (-core::f64::consts::LN_2 * x * x).exp() * (core::f64::consts::FRAC_PI_4 * x).cos().powi(2) * 1e-3 * h
+                (-core::f64::consts::LN_2 * x * x).exp()
+                    * (core::f64::consts::FRAC_PI_4 * x).cos().powi(2)
+                    * 1e-3
+                    * h
             })
             .sum();
         let expected = 0.25 * (gauss + 2.0 * mixed + arch);

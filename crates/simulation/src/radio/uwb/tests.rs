@@ -44,7 +44,8 @@ fn a_path_below_the_threshold_is_not_found_and_the_next_is_taken() {
 
 #[test]
 fn the_bias_by_power_is_the_table_of_aps011() {
-    for (power_dbm, bias_cm) in [(-61.0, -11.0), (-77.0, 0.0), (-79.0, 2.1), (-93.0, 8.1), (-50.0, -11.0), (-99.0, 8.6)]
+    for (power_dbm, bias_cm) in
+        [(-61.0, -11.0), (-77.0, 0.0), (-79.0, 2.1), (-93.0, 8.1), (-50.0, -11.0), (-99.0, 8.6)]
     {
         assert!((100.0 * power_bias_m(power_dbm) - bias_cm).abs() < 0.01, "{power_dbm}");
     }

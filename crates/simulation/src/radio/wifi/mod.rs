@@ -46,7 +46,8 @@ impl Tag {
         let paths = self.transmitter_paths.at(world, field, &here);
         for path in paths {
             let number = path.device as usize;
-            let (Some(site), Some(place)) = (world.transmitters.get(number), field.places_m.get(number)) else {
+            let (Some(site), Some(place)) = (world.transmitters.get(number), field.places_m.get(number))
+            else {
                 continue;
             };
             if site.dead.dead_at(time_s) {
