@@ -1,4 +1,5 @@
 //! Radio in a mine: what blocks, what bends, what stays the same, what fails when.
+#![expect(clippy::unwrap_used, reason = "a test may stop")]
 
 use adit_core::frames::Position;
 use adit_core::nalgebra::Vector3;

@@ -126,7 +126,7 @@ impl Line {
     }
 
     fn screen(&self, along_m: f64, sides_m: [f64; 2], top_z_m: f64) -> Screen {
-        Screen { along_m, sides_m, top_m: top_z_m - (self.from_m.z + self.rise * along_m) }
+        Screen { along: along_m, sides: sides_m, top: top_z_m - (self.from_m.z + self.rise * along_m) }
     }
 
     /// An upright prism as a screen: its sides are those of the part that lies between the ends of the line.
@@ -173,6 +173,8 @@ pub(crate) fn wearer(antenna: &Antenna, body: &super::spec::BodySpec) -> Option<
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may stop")]
+
     use super::*;
 
     const TAG: Vector3<f64> = Vector3::new(0.0, 0.0, 1.3);

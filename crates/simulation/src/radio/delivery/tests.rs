@@ -1,3 +1,5 @@
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may stop")]
+
 use super::*;
 use adit_core::time::Time;
 use adit_observation::{DeviceId, Sighting};

@@ -324,16 +324,16 @@ mod tests {
                 .iter()
                 .fold([0.0, 0.0], |sum: [f32; 2], a| [sum[0] + a.clear[0], sum[1] + a.clear[1]])
         };
+        let apart = |a: [f32; 2], b: [f32; 2]| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt();
         let mut echoes = Echoes::default();
         let first = response(&mut echoes, 10.0);
         for away in 0..100 {
             let _ = echoes.at(Key::new(1, 1), away, &Vector3::new(50.0, 4.0, 0.0), &spec, 0.05);
         }
         assert!(echoes.remembered.len() <= REMEMBERED);
-        assert_eq!(first, response(&mut echoes, 10.0));
-        let apart = |a: [f32; 2], b: [f32; 2]| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt();
+        assert!(apart(first, response(&mut echoes, 10.0)) < 1e-9);
         // 1 mm is 1/50 of a wavelength: phases turn by 7° at most.
         assert!(apart(first, response(&mut echoes, 10.001)) < 0.15 * apart(first, [0.0, 0.0]).max(0.5));
-        assert!(apart(first, response(&mut Echoes::default(), 10.0)) == 0.0);
+        assert!(apart(first, response(&mut Echoes::default(), 10.0)) < 1e-9);
     }
 }

@@ -110,11 +110,11 @@ impl Receiver {
         let threshold = spec.noise_multiplier * estimate;
         let mut last = TAPS;
         let mut passed = None;
-        for tap in SEARCH_TAP..TAPS {
-            let noisy = channel[tap].map(|v| gain * f64::from(v) + noise * normal(rng));
+        for (tap, value) in channel.iter_mut().enumerate().skip(SEARCH_TAP) {
+            let noisy = value.map(|v| gain * f64::from(v) + noise * normal(rng));
             #[expect(clippy::cast_possible_truncation, reason = "taps are single precision")]
             {
-                channel[tap] = noisy.map(|v| v as f32);
+                *value = noisy.map(|v| v as f32);
             }
             if passed.is_none() && libm::hypot(noisy[0], noisy[1]) > threshold {
                 passed = Some(tap);
