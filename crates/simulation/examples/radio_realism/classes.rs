@@ -24,7 +24,7 @@ fn seen(response: &Response) -> Features {
     Features::from(features)
 }
 
-fn learned<'r>(responses: impl Iterator<Item = &'r Response> + Clone) -> Option<Discriminant> {
+fn learned<'r>(responses: &(impl Iterator<Item = &'r Response> + Clone)) -> Option<Discriminant> {
     let of = |los: bool| -> Vec<Features> {
         responses.clone().filter(|r| (r.class == Class::Los) == los).map(seen).collect()
     };
@@ -38,10 +38,10 @@ fn learned<'r>(responses: impl Iterator<Item = &'r Response> + Clone) -> Option<
     for (group, centre) in [(&yes, &a), (&no, &b)] {
         for value in group {
             let off = value - centre;
-            covariance += &off * off.transpose() / (2.0 * group.len() as f64);
+            covariance += off * off.transpose() / (2.0 * group.len() as f64);
         }
     }
-    let weights = covariance.cholesky()?.solve(&(&a - &b));
+    let weights = covariance.cholesky()?.solve(&(a - b));
     let border = 0.5 * weights.dot(&(a + b));
     Some(Discriminant { weights, border })
 }
@@ -73,7 +73,7 @@ fn groups(responses: &[Response]) -> Vec<&str> {
 
 fn left_out(responses: &[Response]) -> f64 {
     let told = groups(responses).into_iter().flat_map(|group| {
-        let discriminant = learned(responses.iter().filter(move |r| r.group != group));
+        let discriminant = learned(&responses.iter().filter(move |r| r.group != group));
         responses
             .iter()
             .filter(move |r| r.group == group)
@@ -83,7 +83,7 @@ fn left_out(responses: &[Response]) -> f64 {
 }
 
 fn across(from: &[Response], to: &[Response]) -> f64 {
-    let discriminant = learned(from.iter());
+    let discriminant = learned(&from.iter());
     balanced(to.iter().filter_map(|r| Some((r, discriminant.as_ref()?.line_of_sight(r)))))
 }
 

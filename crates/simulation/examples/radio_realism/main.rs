@@ -6,6 +6,7 @@
 mod classes;
 mod figure;
 mod ranges;
+mod readings;
 mod responses;
 mod rows;
 mod rssi;
@@ -29,7 +30,9 @@ fn main() -> Outcome<()> {
     }
     let recorded = responses::recorded(data)?;
     let simulated = responses::simulated(&sites::apartment(data)?, 20)?;
-    let mut text = responses::table(&recorded, &simulated);
+    let mut text = readings::table(data)?;
+    text += "\n";
+    text += &responses::table(&recorded, &simulated);
     text += "\n";
     text += &classes::table(&recorded, &simulated);
     text += "\n";

@@ -6,8 +6,8 @@
 //! recorded sets). Noise of each of I and Q over `N` symbols: `σ² = N (σ₁² + κ² a²)`, with the amplitude `a` of one symbol.
 //!
 //! **Leading edge.** The first tap whose amplitude passes `NTM × σ_noise` belongs to the first path; its index is where that path has half
-//! the height of its first maximum. The manual does not say the second; the recorded set does: the amplitude at the index is 0.51 of
-//! the next maximum (median; tenths 0.39 and 0.56), whatever the threshold was. The bias of a missing first path follows.
+//! the height of its first maximum. The manual does not say the second; the recorded set does: the amplitude at the index is half of
+//! the next maximum, whether the threshold was low or high. The bias of a missing first path follows.
 //!
 //! **Diagnostics** (Decawave, *DW1000 User Manual* 2.18, §4.7.1, §4.7.2), amplitudes in units of the accumulator, `A` = 121.74 for 64 MHz:
 //! first path power `10 log₁₀((F₁² + F₂² + F₃²)/N²) − A`; received power `10 log₁₀(Σ|tap|²/N²) − A` (the register holds the sum over 2¹⁷).
