@@ -2,8 +2,8 @@
 
 use super::keyed::Key;
 use crate::error::SimulationError;
-use adit_core::nalgebra::Vector3;
 use adit_core::frames::Position;
+use adit_core::nalgebra::Vector3;
 use adit_mine::Mine;
 use serde::{Deserialize, Serialize};
 
@@ -42,13 +42,7 @@ pub(crate) struct DeadTimes(Vec<(f64, f64)>);
 
 impl DeadTimes {
     /// Of the device with this id at this place.
-    pub fn of(
-        id: &str,
-        place_m: &Vector3<f64>,
-        mine: &Mine,
-        outages: &[Outage],
-        key: Key,
-    ) -> Self {
+    pub fn of(id: &str, place_m: &Vector3<f64>, mine: &Mine, outages: &[Outage], key: Key) -> Self {
         let place = Position::from_raw(*place_m);
         let hit = |(number, outage): (u64, &Outage)| {
             let dead = match &outage.dead {

@@ -11,6 +11,8 @@ use adit_core::nalgebra::Vector3;
 
 /// Movement after which the surroundings are looked at again, m.
 const STEP_M: f64 = 0.25;
+/// Devices that are looked at, those with the shortest way through the openings: a tag knows its neighbours.
+const MOST_LOOKED_AT: usize = 20;
 /// Rock at the ends of a line that an antenna on a wall may be embedded in, m; as in [`adit_mine::Mine::sight`].
 pub(crate) const EMBEDDED_M: f64 = 0.1;
 
@@ -34,6 +36,7 @@ pub(crate) struct Path {
 pub(crate) struct Paths {
     at_m: Option<Vector3<f64>>,
     list: Vec<Path>,
+    nearest: Vec<(f64, usize, Option<Way>)>,
 }
 
 /// Devices of one kind and how they are reached.
@@ -60,18 +63,25 @@ impl Paths {
         let tag = Position::from_raw(*tag_m);
         let mine = world.mine();
         let Some(foot) = mine.network().nearest(&tag) else { return };
-        for candidate in field.ways.candidates(foot.spot.edge) {
+        let candidates = field.ways.candidates(foot.spot.edge);
+        self.nearest.clear();
+        for (number, candidate) in candidates.iter().enumerate() {
             let Some(place_m) = field.places_m.get(candidate.device as usize) else { continue };
-            let straight_m = (place_m - tag_m).norm();
-            if straight_m > field.most_way_m {
-                continue;
+            if (place_m - tag_m).norm() <= field.most_way_m {
+                let way = field.ways.way(candidate, &foot, tag_m);
+                self.nearest.push((way.map_or(f64::INFINITY, |way| way.length_m), number, way));
             }
+        }
+        self.nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, number, way) in self.nearest.iter().take(MOST_LOOKED_AT) {
+            let Some(candidate) = candidates.get(*number) else { continue };
+            let Some(place_m) = field.places_m.get(candidate.device as usize) else { continue };
             let place = Position::from_raw(*place_m);
             let around = if mine.excavation().rock_m(&tag, &place) <= EMBEDDED_M {
                 None
             } else {
-                match field.ways.way(candidate, &foot, tag_m) {
-                    Some(way) if way.length_m <= field.most_way_m => Some(way),
+                match way {
+                    Some(way) if way.length_m <= field.most_way_m => Some(*way),
                     _ => continue,
                 }
             };

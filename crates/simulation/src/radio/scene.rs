@@ -126,7 +126,7 @@ impl Line {
     }
 
     fn screen(&self, along_m: f64, sides_m: [f64; 2], top_z_m: f64) -> Screen {
-        Screen { along_m, sides_m, top_m: top_z_m - (self.from_m.z + self.rise * along_m) }
+        Screen { along: along_m, sides: sides_m, top: top_z_m - (self.from_m.z + self.rise * along_m) }
     }
 
     /// An upright prism as a screen: its sides are those of the part that lies between the ends of the line.
@@ -167,18 +167,14 @@ pub(crate) fn wearer(antenna: &Antenna, body: &super::spec::BodySpec) -> Option<
     let heading = antenna.facing_rad?;
     let (sin, cos) = libm::sincos(heading);
     let behind = body.half_width_m + body.gap_m;
-    let foot_m = antenna.position_m
-        - Vector3::new(sin * behind, cos * behind, body.tag_height_m);
-    Some(Obstacle {
-        foot_m,
-        height_m: body.height_m,
-        shape: Shape::Round { radius_m: body.half_width_m },
-    })
+    let foot_m = antenna.position_m - Vector3::new(sin * behind, cos * behind, body.tag_height_m);
+    Some(Obstacle { foot_m, height_m: body.height_m, shape: Shape::Round { radius_m: body.half_width_m } })
 }
-
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may stop")]
+
     use super::*;
 
     const TAG: Vector3<f64> = Vector3::new(0.0, 0.0, 1.3);
@@ -196,7 +192,9 @@ mod tests {
         assert!(!detour(&Obstacle::person(Vector3::new(0.0, -4.0, 0.0)), anchor).blocked);
         assert!(!detour(&Obstacle::person(Vector3::new(0.0, 14.0, 0.0)), anchor).blocked);
         // Over the head: the line to an anchor at 3 m is at 2.0 m there.
-        assert!(!detour(&Obstacle::person(Vector3::new(0.0, 4.2, 0.0)), Vector3::new(0.0, 10.0, 3.0)).blocked);
+        assert!(
+            !detour(&Obstacle::person(Vector3::new(0.0, 4.2, 0.0)), Vector3::new(0.0, 10.0, 3.0)).blocked
+        );
     }
 
     #[test]

@@ -79,7 +79,8 @@ impl Tag {
         let Some(time) = Time::from_seconds(time_s) else { return };
         let here = antenna.position_m;
         let reached = |place: &Vector3<f64>, range_m: f64| (place - here).norm() <= range_m;
-        let portals = world.portals.iter().filter(|p| reached(&p.place_m, p.range_m) && !p.dead.dead_at(time_s));
+        let portals =
+            world.portals.iter().filter(|p| reached(&p.place_m, p.range_m) && !p.dead.dead_at(time_s));
         let mut looked = false;
         for portal in portals {
             if !looked {

@@ -125,15 +125,20 @@ impl RadioWorld {
             DeadTimes::of(id, place, &mine, outages, Key::new(seed, Purpose::Outage as u64))
         };
         let sites = Sites { spec, seed };
-        let anchors = (0..).zip(&plan.anchors).map(|(number, anchor)| {
-            sites.anchor(number, anchor, dead(&anchor.id, anchor.position_m.raw()))
-        });
-        let transmitters = (0..).zip(&plan.access_points).map(|(number, ap)| {
-            sites.transmitter(number, ap, dead(&ap.id, ap.position_m.raw()))
-        });
+        let anchors = (0..)
+            .zip(&plan.anchors)
+            .map(|(number, anchor)| sites.anchor(number, anchor, dead(&anchor.id, anchor.position_m.raw())));
+        let transmitters = (0..)
+            .zip(&plan.access_points)
+            .map(|(number, ap)| sites.transmitter(number, ap, dead(&ap.id, ap.position_m.raw())));
         let portals = plan.rfid_portals.iter().map(|portal| {
             let place_m = *portal.position_m.raw();
-            Ok(PortalSite { id: id(&portal.id)?, place_m, range_m: portal.range_m, dead: dead(&portal.id, &place_m) })
+            Ok(PortalSite {
+                id: id(&portal.id)?,
+                place_m,
+                range_m: portal.range_m,
+                dead: dead(&portal.id, &place_m),
+            })
         });
         let most_way_m = spec.wifi.most_way_m.max(spec.ble.most_way_m);
         let belt = |c: &plan::Conveyor| {
@@ -149,7 +154,12 @@ impl RadioWorld {
             anchor_places,
             transmitter_places,
             pillars: plan.pillars.iter().filter_map(|pillar| Prism::new(&mine, pillar)).collect(),
-            doors: plan.doors.iter().filter(|d| d.closed).filter_map(|door| DoorLine::new(&mine, door)).collect(),
+            doors: plan
+                .doors
+                .iter()
+                .filter(|d| d.closed)
+                .filter_map(|door| DoorLine::new(&mine, door))
+                .collect(),
             belts: plan.conveyors.iter().flat_map(belt).collect(),
             receiver: Receiver::new(spec.uwb.receiver),
             spec: spec.clone(),

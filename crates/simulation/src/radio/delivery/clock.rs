@@ -1,7 +1,7 @@
 //! A tag's clock: offset, rate error and a rate that wanders.
 //!
 //! `stamp(t) = t + x(t)`, `ẋ = y`, `y` a random walk (one step per second, so that the clock does not depend on when it is read);
-//! the two-state clock model of van Dierendonck, McGraw & Brown (1984) without its white phase noise.
+//! the two-state clock model of van Dierendonck, `McGraw` & Brown (1984) without its white phase noise.
 
 use crate::error::{SimulationError, check_within};
 use crate::radio::keyed::{Key, normal};

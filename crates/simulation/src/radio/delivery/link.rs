@@ -96,7 +96,13 @@ impl LinkSpec {
         }
         check_within("least_delay_s", self.least_delay_s, 0.0, 3600.0, "0 to 3600 s")?;
         check_within("extra_delay_s", self.extra_delay_s, 0.0, 3600.0, "0 to 3600 s")?;
-        check_within("most_delay_s", self.most_delay_s, self.least_delay_s, 3600.0, "least_delay_s to 3600 s")?;
+        check_within(
+            "most_delay_s",
+            self.most_delay_s,
+            self.least_delay_s,
+            3600.0,
+            "least_delay_s to 3600 s",
+        )?;
         check_within("forwarded_per_s", self.forwarded_per_s, 0.1, 1e9, "0.1 or more per s")?;
         let mut before_s = f64::NEG_INFINITY;
         for cut in &self.cut_off {
@@ -147,9 +153,7 @@ impl Link {
         if lost < if self.bad { spec.lost_bad } else { spec.lost_good } {
             return Fate::Lost;
         }
-        let delayed = |draw: f64| {
-            (spec.least_delay_s + spec.extra_delay_s * draw).min(spec.most_delay_s)
-        };
+        let delayed = |draw: f64| (spec.least_delay_s + spec.extra_delay_s * draw).min(spec.most_delay_s);
         let mut at_s = time_s + delayed(first);
         let again_s = (twice < spec.duplicated).then(|| at_s + delayed(second));
         let cut = spec.cut_off.iter().position(|cut| (cut.from_s..cut.until_s).contains(&at_s));
@@ -165,7 +169,8 @@ impl Link {
             // The gateway has one copy only.
             return Fate::Arrives { at_s, again_s: None };
         }
-        let again_s = again_s.filter(|again| !spec.cut_off.iter().any(|c| (c.from_s..c.until_s).contains(again)));
+        let again_s =
+            again_s.filter(|again| !spec.cut_off.iter().any(|c| (c.from_s..c.until_s).contains(again)));
         Fate::Arrives { at_s, again_s }
     }
 }

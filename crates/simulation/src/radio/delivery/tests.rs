@@ -1,3 +1,5 @@
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may stop")]
+
 use super::*;
 use adit_core::time::Time;
 use adit_observation::{DeviceId, Sighting};
@@ -56,14 +58,16 @@ fn what_is_not_lost_arrives_once_and_once_more_for_each_duplicate() {
 
 #[test]
 fn a_perfect_link_changes_nothing() {
-    let delivery = Delivery::new(stream(100, 0.1), &ClockSpec::perfect(), &LinkSpec::perfect(), 1, 1).unwrap();
+    let delivery =
+        Delivery::new(stream(100, 0.1), &ClockSpec::perfect(), &LinkSpec::perfect(), 1, 1).unwrap();
     let arrived: Vec<Observation> = delivery.map(|delivered| delivered.observation).collect();
     assert_eq!(arrived, stream(100, 0.1).collect::<Vec<_>>());
 }
 
 #[test]
 fn delays_longer_than_the_interval_let_observations_overtake_each_other() {
-    let delivery = Delivery::new(stream(1_000, 0.01), &ClockSpec::perfect(), &LinkSpec::default(), 1, 1).unwrap();
+    let delivery =
+        Delivery::new(stream(1_000, 0.01), &ClockSpec::perfect(), &LinkSpec::default(), 1, 1).unwrap();
     let numbers: Vec<u64> = delivery.map(|d| number(&d).parse().unwrap()).collect();
     assert!(numbers.windows(2).filter(|w| w[1] < w[0]).count() > 100);
 }
@@ -103,7 +107,8 @@ fn a_clock_drifts_by_its_rate_and_wanders_by_its_walk() {
     let deviation = |spec: &ClockSpec, time_s: f64| {
         let errors: Vec<f64> = (0..2_000)
             .map(|person| {
-                let mut clock = DeviceClock::new(spec, Key::new(1, Purpose::Clock as u64).with(person)).unwrap();
+                let mut clock =
+                    DeviceClock::new(spec, Key::new(1, Purpose::Clock as u64).with(person)).unwrap();
                 clock.stamp(time_s).seconds() - time_s
             })
             .collect();

@@ -92,7 +92,10 @@ impl Echoes {
         // Levels are apart by more than a patch; heights within one belong together.
         let scaled = Vector3::new(place_m.x, place_m.y, 0.2 * place_m.z) / spec.patch_m;
         let floor = scaled.map(libm::floor);
-        #[expect(clippy::cast_possible_truncation, reason = "coordinates of a mine over a patch of 0.1 m or more")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "coordinates of a mine over a patch of 0.1 m or more"
+        )]
         let cell = [floor.x as i64, floor.y as i64, libm::round(scaled.z) as i64];
         let slot = self.slot(key, anchor, cell, spec);
         let share = [scaled.x - floor.x, scaled.y - floor.y].map(|f| {
@@ -105,7 +108,8 @@ impl Echoes {
             let (i, j) = (number % 2, number / 2);
             let weight = share[0][i] * share[1][j];
             lateness += weight * weight * f64::from(patch.lateness);
-            let middle = Vector3::new(cell[0] as f64 + i as f64, cell[1] as f64 + j as f64, 0.0) * spec.patch_m;
+            let middle =
+                Vector3::new(cell[0] as f64 + i as f64, cell[1] as f64 + j as f64, 0.0) * spec.patch_m;
             #[expect(clippy::cast_possible_truncation, reason = "metres within a patch")]
             let off = [place_m.x - middle.x, place_m.y - middle.y, 0.0].map(|v| v as f32);
             #[expect(clippy::cast_possible_truncation, reason = "rays are single precision")]
@@ -315,18 +319,21 @@ mod tests {
         let spec = MultipathSpec::default();
         let response = |echoes: &mut Echoes, x: f64| {
             let heard = echoes.at(Key::new(1, 1), 3, &Vector3::new(x, 4.0, 0.0), &spec, 0.05);
-            heard.arrivals.iter().fold([0.0, 0.0], |sum: [f32; 2], a| [sum[0] + a.clear[0], sum[1] + a.clear[1]])
+            heard
+                .arrivals
+                .iter()
+                .fold([0.0, 0.0], |sum: [f32; 2], a| [sum[0] + a.clear[0], sum[1] + a.clear[1]])
         };
+        let apart = |a: [f32; 2], b: [f32; 2]| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt();
         let mut echoes = Echoes::default();
         let first = response(&mut echoes, 10.0);
         for away in 0..100 {
             let _ = echoes.at(Key::new(1, 1), away, &Vector3::new(50.0, 4.0, 0.0), &spec, 0.05);
         }
         assert!(echoes.remembered.len() <= REMEMBERED);
-        assert_eq!(first, response(&mut echoes, 10.0));
-        let apart = |a: [f32; 2], b: [f32; 2]| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt();
+        assert!(apart(first, response(&mut echoes, 10.0)) < 1e-9);
         // 1 mm is 1/50 of a wavelength: phases turn by 7° at most.
         assert!(apart(first, response(&mut echoes, 10.001)) < 0.15 * apart(first, [0.0, 0.0]).max(0.5));
-        assert!(apart(first, response(&mut Echoes::default(), 10.0)) == 0.0);
+        assert!(apart(first, response(&mut Echoes::default(), 10.0)) < 1e-9);
     }
 }

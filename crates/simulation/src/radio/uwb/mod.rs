@@ -162,7 +162,8 @@ impl Tag {
             let excess_m = way_m - (place - here).norm();
             let always_db = path.bends_db(excess_m, wavelength_m, spec.corner_loss_db) + path.doors_db;
             // Far below what can be heard, whatever shadowing does.
-            let best_dbm = mean_dbm + spec.multipath.echoes_db.max(0.0) + 4.0 * spec.shadowing_sigma_db - always_db;
+            let best_dbm =
+                mean_dbm + spec.multipath.echoes_db.max(0.0) + 4.0 * spec.shadowing_sigma_db - always_db;
             if best_dbm < spec.sensitivity_dbm - 3.0 || anchor.dead.dead_at(time_s) {
                 continue;
             }
@@ -181,9 +182,8 @@ impl Tag {
                 in_the_way,
             });
         }
-        self.heard.sort_by(|a, b| {
-            b.power_dbm().total_cmp(&a.power_dbm()).then(a.path.device.cmp(&b.path.device))
-        });
+        self.heard
+            .sort_by(|a, b| b.power_dbm().total_cmp(&a.power_dbm()).then(a.path.device.cmp(&b.path.device)));
     }
 
     /// One exchange with an anchor that answers; `None` when no first path is found.
@@ -197,10 +197,10 @@ impl Tag {
     ) -> Option<RangeOutcome> {
         let spec = &world.spec().uwb;
         let here = antenna.position_m;
-        let obstructed = heard.path.around.is_some() || heard.in_the_way.detour.blocked || heard.path.doors > 0;
+        let obstructed =
+            heard.path.around.is_some() || heard.in_the_way.detour.blocked || heard.path.doors > 0;
         let key = world.key(Purpose::Echoes);
-        let around =
-            self.echoes.at(key, heard.path.device, &here, &spec.multipath, spec.wavelength_m());
+        let around = self.echoes.at(key, heard.path.device, &here, &spec.multipath, spec.wavelength_m());
         let late_m = if obstructed { spec.obstruction_excess_m * around.lateness } else { 0.0 };
         let rng = &mut self.receiver_rng;
         // 2¹² words: some 700 normal draws need 1400 and a few for refusals.
@@ -303,9 +303,8 @@ const MISSED_TAPS: f64 = 2.0;
 /// By how much a DW1000 tells too much, m, by the power that arrives, dBm: Decawave APS011, table 2, 500 MHz, 64 MHz, −61 to −95 dBm in steps
 /// of −2; straight lines in between.
 fn power_bias_m(power_dbm: f64) -> f64 {
-    const CM: [f64; 18] = [
-        -11.0, -10.5, -10.0, -9.3, -8.2, -6.9, -5.1, -2.7, 0.0, 2.1, 3.5, 4.2, 4.9, 6.2, 7.1, 7.6, 8.1, 8.6,
-    ];
+    const CM: [f64; 18] =
+        [-11.0, -10.5, -10.0, -9.3, -8.2, -6.9, -5.1, -2.7, 0.0, 2.1, 3.5, 4.2, 4.9, 6.2, 7.1, 7.6, 8.1, 8.6];
     let step = ((-61.0 - power_dbm) / 2.0).clamp(0.0, 16.999);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table")]
     let index = step as usize;

@@ -6,8 +6,8 @@
 //! recorded sets). Noise of each of I and Q over `N` symbols: `σ² = N (σ₁² + κ² a²)`, with the amplitude `a` of one symbol.
 //!
 //! **Leading edge.** The first tap whose amplitude passes `NTM × σ_noise` belongs to the first path; its index is where that path has half
-//! the height of its first maximum. The manual does not say the second; the recorded set does: the amplitude at the index is 0.51 of
-//! the next maximum (median; tenths 0.39 and 0.56), whatever the threshold was. The bias of a missing first path follows.
+//! the height of its first maximum. The manual does not say the second; the recorded set does: the amplitude at the index is half of
+//! the next maximum, whether the threshold was low or high. The bias of a missing first path follows.
 //!
 //! **Diagnostics** (Decawave, *DW1000 User Manual* 2.18, §4.7.1, §4.7.2), amplitudes in units of the accumulator, `A` = 121.74 for 64 MHz:
 //! first path power `10 log₁₀((F₁² + F₂² + F₃²)/N²) − A`; received power `10 log₁₀(Σ|tap|²/N²) − A` (the register holds the sum over 2¹⁷).
@@ -85,10 +85,11 @@ impl Receiver {
         let spec = &self.spec;
         let square = |tap: &[f32; 2]| f64::from(tap[0] * tap[0] + tap[1] * tap[1]);
         let energy: f64 = channel.iter().map(square).sum();
-        let (peak_tap, peak) =
-            channel.iter().map(square).enumerate().fold((0, 0.0), |best, (tap, power)| {
-                if power > best.1 { (tap, power) } else { best }
-            });
+        let (peak_tap, peak) = channel
+            .iter()
+            .map(square)
+            .enumerate()
+            .fold((0, 0.0), |best, (tap, power)| if power > best.1 { (tap, power) } else { best });
         if energy <= 0.0 {
             return None;
         }
@@ -109,11 +110,11 @@ impl Receiver {
         let threshold = spec.noise_multiplier * estimate;
         let mut last = TAPS;
         let mut passed = None;
-        for tap in SEARCH_TAP..TAPS {
-            let noisy = channel[tap].map(|v| gain * f64::from(v) + noise * normal(rng));
+        for (tap, value) in channel.iter_mut().enumerate().skip(SEARCH_TAP) {
+            let noisy = value.map(|v| gain * f64::from(v) + noise * normal(rng));
             #[expect(clippy::cast_possible_truncation, reason = "taps are single precision")]
             {
-                channel[tap] = noisy.map(|v| v as f32);
+                *value = noisy.map(|v| v as f32);
             }
             if passed.is_none() && libm::hypot(noisy[0], noisy[1]) > threshold {
                 passed = Some(tap);
@@ -165,22 +166,30 @@ impl Receiver {
         }
         let amplitude = |tap: usize| amplitude(channel, tap);
         let index = found.edge_tap;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the taps by construction")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the taps by construction"
+        )]
         let first = index.floor() as usize;
         let placed = PLACED.0 + PLACED.1 * (2.0 * uniform(rng) - 1.0);
         // Later first paths stand earlier in the register: the chip centres on the strongest part.
         let placed = placed - 0.25 * (found.peak_tap as f64 - index - 1.5).clamp(0.0, 30.0);
         let last_shift = (TAPS - KEPT) as f64;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the spare taps")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to the spare taps"
+        )]
         let shift = libm::round(index - placed).clamp(0.0, last_shift) as usize;
         let amplitudes = [1, 2, 3].map(|after| amplitude(first + after));
         let symbols = f64::from(found.symbols);
         let decibel = |squares: f64| 10.0 * libm::log10(squares / (symbols * symbols)) - SCALE_DB;
         let total: f64 = (first.saturating_sub(2)..TAPS).map(|tap| amplitude(tap).powi(2)).sum();
         let quiet = (shift..first.saturating_sub(3)).map(amplitude);
-        let told_peak = (shift..shift + KEPT).map(|tap| (tap, amplitude(tap))).fold((0, 0.0), |best, now| {
-            if now.1 > best.1 { now } else { best }
-        });
+        let told_peak = (shift..shift + KEPT)
+            .map(|tap| (tap, amplitude(tap)))
+            .fold((0, 0.0), |best, now| if now.1 > best.1 { now } else { best });
         let register = |tap: f64| tap - shift as f64 + f64::from(KEPT_FIRST);
         #[expect(clippy::cast_possible_truncation, reason = "the chip tells few digits")]
         Reception {

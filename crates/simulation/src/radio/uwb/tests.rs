@@ -1,3 +1,10 @@
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may stop; taps are single precision"
+)]
+
 use super::*;
 use crate::radio::keyed::Key;
 
@@ -44,7 +51,8 @@ fn a_path_below_the_threshold_is_not_found_and_the_next_is_taken() {
 
 #[test]
 fn the_bias_by_power_is_the_table_of_aps011() {
-    for (power_dbm, bias_cm) in [(-61.0, -11.0), (-77.0, 0.0), (-79.0, 2.1), (-93.0, 8.1), (-50.0, -11.0), (-99.0, 8.6)]
+    for (power_dbm, bias_cm) in
+        [(-61.0, -11.0), (-77.0, 0.0), (-79.0, 2.1), (-93.0, 8.1), (-50.0, -11.0), (-99.0, 8.6)]
     {
         assert!((100.0 * power_bias_m(power_dbm) - bias_cm).abs() < 0.01, "{power_dbm}");
     }
@@ -80,6 +88,6 @@ fn diagnostics_follow_the_manual_from_the_response_itself() {
     // Gain control tells a little less than what arrives.
     assert!((f64::from(told.rx_power_dbm.unwrap()) - found.power_dbm).abs() < 1.5);
     let peak = (700..900).max_by(|a, b| amplitude(*a).total_cmp(&amplitude(*b))).unwrap();
-    assert_eq!(peak as f64, f64::from(told.peak_index_tap.unwrap()));
+    assert!((peak as f64 - f64::from(told.peak_index_tap.unwrap())).abs() < 1e-3);
     assert!((14_000.0..24_000.0).contains(&amplitude(peak)), "{}", amplitude(peak));
 }
