@@ -149,13 +149,50 @@ pub struct SimulateArgs {
     #[arg(value_name = "SCENARIO.toml", value_hint = ValueHint::FilePath)]
     pub scenario: PathBuf,
 
-    /// Folder for log.mcap, truth.tum and, with a magnetometer, the sidecar log.toml; made when it is not there
+    /// Folder for log.mcap, truth.tum and what is known beside them; made when it is not there
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
 
     /// Seed of every random draw, instead of the scenario's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+
+    /// Write the logs of these people only; the others are in their way all the same [default: all]
+    #[arg(long, value_name = "FIRST-LAST")]
+    pub people: Option<PeopleRange>,
+}
+
+/// Some of the people, counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PeopleRange {
+    first: usize,
+    last: usize,
+}
+
+impl PeopleRange {
+    /// As numbers from 1; `None` when there are not so many.
+    pub fn within(self, count: usize) -> Option<std::ops::RangeInclusive<usize>> {
+        (self.last <= count).then_some(self.first..=self.last)
+    }
+}
+
+impl FromStr for PeopleRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let number = |text: &str| text.trim().parse().ok().filter(|number| *number >= 1);
+        match (number(first), number(last)) {
+            (Some(first), Some(last)) if first <= last => Ok(Self { first, last }),
+            _ => Err("expected a number from 1 on, or two with a hyphen: 7, 1-20".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for PeopleRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.first, self.last)
+    }
 }
 
 /// `adit track`.

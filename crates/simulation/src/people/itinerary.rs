@@ -37,6 +37,21 @@ pub enum Activity {
     Ride,
 }
 
+impl Activity {
+    /// As written in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stand => "stand",
+            Self::Work => "work",
+            Self::Walk => "walk",
+            Self::Run => "run",
+            Self::Crawl => "crawl",
+            Self::Board => "board",
+            Self::Ride => "ride",
+        }
+    }
+}
+
 /// Part of a way, covered in steps.
 #[derive(Debug, Clone)]
 pub(super) struct Going {

@@ -22,7 +22,7 @@ pub use outfit::{Mount, Outfit, RadioRates, Worn};
 pub use stream::TagStream;
 
 use crate::error::{SimulationError, check_within};
-use crate::people::{Population, PopulationSpec};
+use crate::people::{Person, Population, PopulationSpec};
 use crate::pressure::{AirSpec, MineAir, Passage};
 use crate::radio::delivery::{ClockSpec, LinkSpec};
 use crate::radio::{Outage, RadioSpec, RadioWorld};
@@ -112,6 +112,11 @@ impl Workforce {
     /// The people and vehicles.
     pub fn population(&self) -> &Population {
         &self.population
+    }
+
+    /// A person, by number from 0; `None` beyond the last.
+    pub fn person(&self, index: usize) -> Option<&Arc<Person>> {
+        self.crowd.person(index)
     }
 
     /// The log of a person, by number from 0; `None` beyond the last.
