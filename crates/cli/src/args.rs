@@ -12,7 +12,9 @@ use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,12 +30,16 @@ Examples:
   adit demo --seed 7 --out /tmp/demo";
 
 const SIMULATE_EXAMPLES: &str = "\
-The scenario is a TOML file; scenarios/s2.toml of the repository is a commented example.
-The same scenario and seed give the same bytes.
+The scenario is a TOML file; scenarios/s2.toml (one walk) and scenarios/shift.toml (everybody in a mine) of the repository are
+commented examples. The same scenario and seed give the same bytes, on any number of threads (RAYON_NUM_THREADS).
+
+One walk: DIR/log.mcap, truth.tum and, where something is known beside them, log.toml. Everybody in a mine: DIR/p001/log.mcap,
+truth.tum, ranges_truth.csv, activities.csv, log.toml, and so on for each person, with DIR/mine.json and people.csv.
 
 Examples:
   adit simulate scenarios/s2.toml -o out/walk
-  adit simulate scenarios/s2.toml -o out/walk-7 --seed 7";
+  adit simulate scenarios/s2.toml -o out/walk-7 --seed 7
+  adit simulate scenarios/shift.toml -o out/shift --people 1-4";
 
 const TRACK_EXAMPLES: &str = "\
 Logs:

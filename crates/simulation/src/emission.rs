@@ -8,7 +8,8 @@ use crate::scenario::TruthState;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use adit_observation::{
-    ImuSample, MagneticSample, Observation, PositionFix, PressureSample, RangeSample, Sighting, SignalStrength,
+    ImuSample, MagneticSample, Observation, PositionFix, PressureSample, RangeSample, Sighting,
+    SignalStrength,
 };
 
 /// One sample with its truth.

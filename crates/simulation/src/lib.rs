@@ -38,14 +38,15 @@ pub mod magnetic;
 pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
-pub mod radio;
 pub mod people;
 pub mod pressure;
+pub mod radio;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
 pub mod workforce;
 
+pub use emission::Emission;
 pub use error::SimulationError;
 pub use foot_motion::FootWalk;
 pub use gait::{Foot, Gait};
@@ -53,12 +54,11 @@ pub use ideal_imu::{IdealImu, Inertial, STANDARD_GRAVITY_M_S2, Sampling};
 pub use imu_errors::{ImuErrorModel, ImuErrors, TriadErrors};
 pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
-pub use emission::Emission;
 pub use marg::{MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
-pub use radio::{RadioSpec, RadioWorld, Tag};
 pub use people::{Person, Population, PopulationSpec};
 pub use pressure::{Barometer, BarometerModel, MineAir};
+pub use radio::{RadioSpec, RadioWorld, Tag};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };

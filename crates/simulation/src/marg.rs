@@ -6,12 +6,12 @@
 
 use crate::emission::Emission;
 use crate::error::SimulationError;
-use crate::radio::delivery::Stamped;
 use crate::ideal_imu::quadrature;
 use crate::imu_errors::ImuErrorModel;
 use crate::magnetic::MagneticWorld;
 use crate::magnetometer::{Magnetometer, MagnetometerModel};
 use crate::motion::Motion;
+use crate::radio::delivery::Stamped;
 use crate::scenario::{FootWalkScenario, Generator, generate};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;

@@ -26,7 +26,7 @@ fn tumbled(tumble: &Tumble, model: &MagnetometerModel) -> Vec<(MagneticSample, M
     let both = imu.with_magnetometer(world(), model, 1).unwrap();
     both.filter_map(|emission| match emission {
         Emission::Magnetic(sample, truth) => Some((sample, truth)),
-        Emission::Imu(..) | Emission::Fix(..) => None,
+        _ => None,
     })
     .collect()
 }

@@ -8,7 +8,7 @@ use adit_simulation::pressure::{AirSpec, BarometerModel};
 use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
 use adit_simulation::radio::{Outage, RadioSpec};
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, TagStream, Workforce, WorkforceSpec};
-use adit_simulation::{Foot, IdealImu};
+use adit_simulation::{Foot, IdealImu, ImuErrors, SimulationError};
 use anyhow::{Context, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -16,8 +16,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use toml::Spanned;
 
-const BAROMETERS: [Preset<BarometerModel>; 3] =
-    [("ideal", BarometerModel::ideal), ("bmp280", BarometerModel::bmp280), ("bmp388", BarometerModel::bmp388)];
+const BAROMETERS: [Preset<BarometerModel>; 3] = [
+    ("ideal", BarometerModel::ideal),
+    ("bmp280", BarometerModel::bmp280),
+    ("bmp388", BarometerModel::bmp388),
+];
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -57,7 +60,7 @@ struct TagEntry {
     /// Name of the barometer.
     barometer: Option<Spanned<String>>,
     /// Its rate, Hz, in place of its own.
-    barometer_hz: Option<f64>,
+    barometer_hz: Option<Spanned<f64>>,
     radio: RadioRates,
 }
 
@@ -116,12 +119,13 @@ impl Scenario {
         let refused = |error| self.source.refused(&spanned.span(), &error);
 
         let mine = self.mine(&entry.file)?;
-        let (imu, _) = self.sensor()?;
+        let (imu, sensor) = self.sensor()?;
+        ImuErrors::new(&imu, seed).map_err(|error| self.source.refused(&sensor, &error))?;
         let imu_hz = self.rate_hz()?;
         let truth_hz = entry.truth_hz.unwrap_or(imu_hz);
         if !(truth_hz > 0.0 && truth_hz <= imu_hz) {
-            let what = format!("truth_hz is {truth_hz}, expected above 0, at most the {imu_hz} Hz of the IMU");
-            return Err(self.source.error(&spanned.span(), &what));
+            let expected = "above 0, at most rate_hz";
+            return Err(refused(SimulationError::Parameter { name: "truth_hz", found: truth_hz, expected }));
         }
         let magnetic = match &entries.magnetic {
             None => None,
@@ -166,14 +170,18 @@ impl Scenario {
             let what = "nobody is in the mine: give `people` or `persons` in [mine.population]";
             return Err(self.source.error(&spanned.span(), what));
         }
+        // What only the log of a person can find wrong.
+        workforce.stream(0).transpose().map_err(refused)?;
         Ok(Everybody { workforce, truth_hz, sidecar })
     }
 
     fn barometer(&self, tag: &TagEntry) -> Result<Option<BarometerModel>> {
         let Some(name) = &tag.barometer else { return Ok(None) };
         let mut model = super::named("barometer", name, &BTreeMap::new(), &BAROMETERS, &self.source)?;
-        model.rate_hz = tag.barometer_hz.unwrap_or(model.rate_hz);
-        model.check().map_err(|error| self.source.refused(&name.span(), &error))?;
+        if let Some(rate_hz) = &tag.barometer_hz {
+            model.rate_hz = *rate_hz.get_ref();
+            model.check().map_err(|error| self.source.refused(&rate_hz.span(), &error))?;
+        }
         Ok(Some(model))
     }
 

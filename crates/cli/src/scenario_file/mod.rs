@@ -294,7 +294,8 @@ impl Scenario {
             ("roadway", place(entries.roadway.as_ref())),
             ("mine", place(entries.mine.as_ref())),
         ];
-        let strange = given.into_iter().find_map(|(name, span)| Some((name, span?)).filter(|_| !used.contains(&name)));
+        let strange =
+            given.into_iter().find_map(|(name, span)| Some((name, span?)).filter(|_| !used.contains(&name)));
         let Some((name, span)) = strange else { return Ok(()) };
         let kind = entries.kind.get_ref().name();
         Err(self.source.error(&span, &format!("`{name}` has no use in kind = \"{kind}\": remove it")))

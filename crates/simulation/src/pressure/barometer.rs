@@ -160,12 +160,7 @@ pub struct Barometer<M, A> {
 
 impl<M: Motion, A: Borrow<MineAir>> Barometer<M, A> {
     /// A barometer on a motion in mine coordinates, in air that is borrowed or shared; `seed` fixes its errors.
-    pub fn new(
-        motion: M,
-        air: A,
-        model: &BarometerModel,
-        seed: u64,
-    ) -> Result<Self, SimulationError> {
+    pub fn new(motion: M, air: A, model: &BarometerModel, seed: u64) -> Result<Self, SimulationError> {
         model.check()?;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(STREAM);

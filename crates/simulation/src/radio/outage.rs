@@ -66,8 +66,28 @@ impl DeadTimes {
     }
 }
 
+impl Dead {
+    /// An id that nothing in the mine has, and whose it should be.
+    fn unknown(&self, mine: &Mine) -> Option<(&str, &'static str)> {
+        let plan = mine.plan();
+        let (id, known, expected) = match self {
+            Self::Device(id) => {
+                let known = plan.anchors.iter().any(|a| a.id == *id)
+                    || plan.access_points.iter().any(|a| a.id == *id)
+                    || plan.rfid_portals.iter().any(|a| a.id == *id);
+                (id, known, "the id of a device of the mine")
+            }
+            Self::Zone(id) => (id, plan.zones.iter().any(|z| z.id == *id), "the id of a zone of the mine"),
+            Self::Level(id) => (id, plan.levels.iter().any(|l| l.id == *id), "the id of a level of the mine"),
+            Self::Share(_) | Self::Everything => return None,
+        };
+        (!known).then_some((id.as_str(), expected))
+    }
+}
+
 impl Outage {
-    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+    /// Times are in order and names are those of the mine.
+    pub(crate) fn check(&self, mine: &Mine) -> Result<(), SimulationError> {
         let wrong = |name, found, expected| Err(SimulationError::Parameter { name, found, expected });
         if !self.from_s.is_finite() {
             return wrong("from_s", self.from_s, "a time in s");
@@ -77,7 +97,12 @@ impl Outage {
                 wrong("until_s", until, "later than from_s")
             }
             (_, Dead::Share(share)) => super::spec::check_share("share", *share),
-            _ => Ok(()),
+            (_, dead) => match dead.unknown(mine) {
+                None => Ok(()),
+                Some((id, expected)) => {
+                    Err(SimulationError::Unknown { name: "dead", found: id.to_owned(), expected })
+                }
+            },
         }
     }
 }

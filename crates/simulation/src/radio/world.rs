@@ -116,8 +116,8 @@ impl RadioWorld {
         seed: u64,
     ) -> Result<Self, SimulationError> {
         spec.check()?;
-        outages.iter().try_for_each(Outage::check)?;
         let mine: Arc<Mine> = mine.into();
+        outages.iter().try_for_each(|outage| outage.check(&mine))?;
         let plan = mine.plan();
         let anchor_places: Vec<_> = plan.anchors.iter().map(|a| *a.position_m.raw()).collect();
         let transmitter_places: Vec<_> = plan.access_points.iter().map(|a| *a.position_m.raw()).collect();

@@ -50,7 +50,13 @@ impl Crowd {
 
 impl Neighbours {
     /// Obstacles around `here_m` at a time, without the wearer and what carries them.
-    pub fn around(&mut self, crowd: &Crowd, wearer: usize, here_m: &Vector3<f64>, time_s: f64) -> &[Obstacle] {
+    pub fn around(
+        &mut self,
+        crowd: &Crowd,
+        wearer: usize,
+        here_m: &Vector3<f64>,
+        time_s: f64,
+    ) -> &[Obstacle] {
         if self.renewed_s.is_none_or(|renewed_s| !(renewed_s..renewed_s + RENEWED_S).contains(&time_s)) {
             self.renew(crowd, wearer, here_m, time_s);
         }

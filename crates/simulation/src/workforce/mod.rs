@@ -70,7 +70,13 @@ impl Workforce {
     pub fn new(mine: Arc<Mine>, spec: WorkforceSpec, seed: u64) -> Result<Arc<Self>, SimulationError> {
         check_within("duration_s", spec.duration_s, 0.1, 1e6, "0.1 to 1e6 s")?;
         for [from_s, until_s] in &spec.conveyors_s {
-            check_within("conveyors_s", *until_s, *from_s, f64::INFINITY, "an end no earlier than the beginning")?;
+            check_within(
+                "conveyors_s",
+                *until_s,
+                *from_s,
+                f64::INFINITY,
+                "an end no earlier than the beginning",
+            )?;
         }
         spec.outfit.check()?;
         let radio = RadioWorld::new(Arc::clone(&mine), &spec.radio, &spec.outages, seed)?;
@@ -81,7 +87,8 @@ impl Workforce {
             None => None,
             Some(_) => {
                 let mut air = MineAir::new(&mine, &spec.air, seed)?;
-                let passages: Vec<Passage> = crowd.people().flat_map(|person| air.passages_of(person)).collect();
+                let passages: Vec<Passage> =
+                    crowd.people().flat_map(|person| air.passages_of(person)).collect();
                 air.open_doors(passages);
                 Some(Arc::new(air))
             }

@@ -209,7 +209,8 @@ impl Radios {
     /// Uses the radio that is due first; `None` at the end of the simulation.
     fn use_next(&mut self) -> Option<()> {
         let due = |beat: &Beat| beat.next_s();
-        let which = (0..self.beats.len()).min_by(|a, b| due(&self.beats[*a]).total_cmp(&due(&self.beats[*b])))?;
+        let which =
+            (0..self.beats.len()).min_by(|a, b| due(&self.beats[*a]).total_cmp(&due(&self.beats[*b])))?;
         let time_s = due(&self.beats[which]);
         if time_s > self.workforce.spec().duration_s {
             return None;

@@ -31,7 +31,11 @@ pub fn run(args: &SimulateArgs, scenario: &Scenario, seed: u64) -> Result<()> {
 
     let duration_s = everybody.workforce.spec().duration_s;
     let samples = duration_s * everybody.workforce.spec().outfit.imu_hz * wanted.clone().count() as f64;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float saturates; for a bar")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float saturates; for a bar"
+    )]
     let progress = Progress::new("simulating", Unit::Samples, Some(samples as u64));
     let truth_every = Interval::from_seconds(1.0 / everybody.truth_hz).unwrap_or(Interval::ZERO);
     let alone = count == 1;
@@ -104,7 +108,10 @@ fn summary(made: &[(usize, Simulated)], duration_s: f64, folder: &Path, took_s: 
     for line in beside(&counts, &worst.unwrap_or_default()) {
         let _ = writeln!(text, "  with {line}");
     }
-    let _ = writeln!(text, "each in a folder of its own: log.mcap, truth.tum, activities.csv; people.csv, mine.json");
+    let _ = writeln!(
+        text,
+        "each in a folder of its own: log.mcap, truth.tum, activities.csv; people.csv, mine.json"
+    );
     let _ = writeln!(text, "took {took_s:.1} s: {speed:.0} person-seconds a second");
     text
 }

@@ -177,18 +177,8 @@ impl Stamped for Observation {
         self.time()
     }
 
-    fn stamped(mut self, stamp: Time) -> Self {
-        let time = match &mut self {
-            Self::Imu(sample) => &mut sample.time,
-            Self::Magnetic(sample) => &mut sample.time,
-            Self::Pressure(sample) => &mut sample.time,
-            Self::Fix(fix) => &mut fix.time,
-            Self::Signal(signal) => &mut signal.time,
-            Self::Range(range) => &mut range.time,
-            Self::Sighting(sighting) => &mut sighting.time,
-        };
-        *time = stamp;
-        self
+    fn stamped(self, stamp: Time) -> Self {
+        self.at(stamp)
     }
 }
 
