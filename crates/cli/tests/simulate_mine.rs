@@ -107,7 +107,7 @@ fn a_log_opens_with_its_late_and_repeated_radio_and_its_truth_fits_it() {
     let small = ranges.iter().filter(|range| error(range) < 0.5).count();
     assert!(small * 10 > ranges.len() * 7, "{small} of {}", ranges.len());
 
-    let path = truth::read(&person.join("truth.tum")).unwrap().trajectory;
+    let path = truth::read(person.join("truth.tum")).unwrap().trajectory;
     assert_eq!(path.poses().len(), 600, "ten a second");
 }
 

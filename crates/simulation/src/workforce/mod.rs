@@ -83,15 +83,13 @@ impl Workforce {
         let population = Population::new(&mine, &spec.population, seed)?;
         let crowd = Crowd::new(&population)?;
         // Only who reads a barometer needs the air, and everybody's passages through doors.
-        let air = match spec.outfit.barometer {
-            None => None,
-            Some(_) => {
-                let mut air = MineAir::new(&mine, &spec.air, seed)?;
-                let passages: Vec<Passage> =
-                    crowd.people().flat_map(|person| air.passages_of(person)).collect();
-                air.open_doors(passages);
-                Some(Arc::new(air))
-            }
+        let air = if spec.outfit.barometer.is_some() {
+            let mut air = MineAir::new(&mine, &spec.air, seed)?;
+            let passages: Vec<Passage> = crowd.people().flat_map(|person| air.passages_of(person)).collect();
+            air.open_doors(passages);
+            Some(Arc::new(air))
+        } else {
+            None
         };
         Ok(Arc::new(Self { spec, seed, mine, radio, population, crowd, air }))
     }
@@ -128,7 +126,7 @@ impl Workforce {
 
     /// The log of a person, by number from 0; `None` beyond the last.
     pub fn stream(self: &Arc<Self>, person: usize) -> Option<Result<TagStream, SimulationError>> {
-        self.crowd.person(person).map(|wearer| TagStream::new(Arc::clone(self), Arc::clone(wearer), person))
+        self.crowd.person(person).map(|wearer| TagStream::new(self, wearer, person))
     }
 
     /// Do the conveyors run?

@@ -82,17 +82,17 @@ pub struct Worn {
 
 #[derive(Debug, Clone)]
 enum WornMotion {
-    Belt(WaistMotion),
-    Foot(FootMotion),
+    Belt(Box<WaistMotion>),
+    Foot(Box<FootMotion>),
 }
 
 impl Worn {
     /// Puts a tag on.
     pub fn new(person: &Person, mount: Mount, end_s: f64) -> Self {
         let motion = match mount {
-            Mount::Belt(belt) => WornMotion::Belt(person.waist(belt)),
-            Mount::LeftFoot(foot) => WornMotion::Foot(person.foot(foot, true)),
-            Mount::RightFoot(foot) => WornMotion::Foot(person.foot(foot, false)),
+            Mount::Belt(belt) => WornMotion::Belt(Box::new(person.waist(belt))),
+            Mount::LeftFoot(foot) => WornMotion::Foot(Box::new(person.foot(foot, true))),
+            Mount::RightFoot(foot) => WornMotion::Foot(Box::new(person.foot(foot, false))),
         };
         Self { motion, end_s }
     }

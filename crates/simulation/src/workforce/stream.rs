@@ -38,20 +38,19 @@ pub struct TagStream {
 
 impl TagStream {
     pub(super) fn new(
-        workforce: Arc<Workforce>,
-        wearer: Arc<Person>,
+        workforce: &Arc<Workforce>,
+        wearer: &Arc<Person>,
         person: usize,
     ) -> Result<Self, SimulationError> {
         let spec = workforce.spec();
         let (seed, number) = (workforce.seed, person as u64);
-        let worn = Arc::new(Worn::new(&wearer, spec.outfit.mount, spec.duration_s));
-        let local = Local::new(&workforce, &worn, number)?;
-        let (clock, link) = (spec.clock, spec.link.clone());
-        let radios = Radios::new(Arc::clone(&workforce), Arc::clone(&worn), Arc::clone(&wearer), person);
-        let radio = Delivery::new(radios, &clock, &link, seed, number)?.peekable();
+        let worn = Arc::new(Worn::new(wearer, spec.outfit.mount, spec.duration_s));
+        let local = Local::new(workforce, &worn, number)?;
+        let radios = Radios::new(Arc::clone(workforce), Arc::clone(&worn), Arc::clone(wearer), person);
+        let radio = Delivery::new(radios, &spec.clock, &spec.link, seed, number)?.peekable();
         // The same clock as that of the delivery: both are keyed by seed and person.
-        let clock = DeviceClock::of_person(&clock, seed, number)?;
-        Ok(Self { wearer, worn, local: local.peekable(), radio, clock })
+        let clock = DeviceClock::of_person(&spec.clock, seed, number)?;
+        Ok(Self { wearer: Arc::clone(wearer), worn, local: local.peekable(), radio, clock })
     }
 
     /// Who wears the tag.

@@ -54,7 +54,7 @@ sensor = "hmc5883l"
 #[test]
 fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
     assert!(parse(GOOD).unwrap().generate(1).is_ok());
-    let mut wrongly_told = String::new();
+    let mut wrongly_told = Vec::new();
     for (right, wrong, line, told) in [
         ("kind = \"mine\"", "kind = \"pit\"", 1, "unknown variant `pit`, expected one of `foot-walk`"),
         (
@@ -147,10 +147,10 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
     ] {
         let error = mistake(GOOD, right, wrong);
         if !error.starts_with(&format!("walk.toml:{line}: {told}")) {
-            wrongly_told += &format!("{wrong}: {error}\n");
+            wrongly_told.push(format!("{wrong}: {error}"));
         }
     }
-    assert!(wrongly_told.is_empty(), "{wrongly_told}");
+    assert!(wrongly_told.is_empty(), "{wrongly_told:#?}");
 }
 
 #[test]

@@ -37,15 +37,13 @@ pub fn simulate(scenario: &Scenario, seed: u64, folder: &Path) -> Result<Simulat
 /// What was made of one log.
 fn told(made: &Simulated) -> String {
     let Simulated { log, truth, sidecar, ranges_truth, counts, worst, duration_s } = made;
-    let mut text = format!("{}: {} samples over {duration_s:.1} s\n", log.display(), counts.inertial);
-    text.extend(beside(counts, worst).into_iter().map(|line| format!("  with {line}\n")));
-    if let Some(sidecar) = sidecar {
-        text += &format!("{}: what is known beside the log\n", sidecar.display());
-    }
-    if let Some(ranges_truth) = ranges_truth {
-        text += &format!("{}: the truth of the ranges\n", ranges_truth.display());
-    }
-    text + &format!("{}: the truth\n", truth.display())
+    let samples = format!("{}: {} samples over {duration_s:.1} s", log.display(), counts.inertial);
+    let kinds = beside(counts, worst).into_iter().map(|line| format!("  with {line}"));
+    let known = sidecar.iter().map(|path| format!("{}: what is known beside the log", path.display()));
+    let links = ranges_truth.iter().map(|path| format!("{}: the truth of the ranges", path.display()));
+    let truth = format!("{}: the truth", truth.display());
+    let lines = [samples].into_iter().chain(kinds).chain(known).chain(links).chain([truth]);
+    lines.map(|line| line + "\n").collect()
 }
 
 /// What there is beside inertial samples.
