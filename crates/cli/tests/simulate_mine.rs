@@ -108,7 +108,7 @@ fn a_log_opens_with_its_late_and_repeated_radio_and_its_truth_fits_it() {
     assert!(small * 10 > ranges.len() * 7, "{small} of {}", ranges.len());
 
     let path = truth::read(person.join("truth.tum")).unwrap().trajectory;
-    assert_eq!(path.poses().len(), 600, "ten a second");
+    assert_eq!(path.poses().len(), 601, "the first, and ten a second");
 }
 
 #[test]
