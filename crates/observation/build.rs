@@ -6,8 +6,17 @@ use std::fs;
 use std::path::PathBuf;
 
 const FOLDER: &str = "../../proto";
-const SCHEMAS: [&str; 4] =
-    ["adit/v1/vector3.proto", "adit/v1/imu.proto", "adit/v1/magnetic.proto", "adit/v1/position_fix.proto"];
+const SCHEMAS: [&str; 9] = [
+    "adit/v1/vector3.proto",
+    "adit/v1/imu.proto",
+    "adit/v1/magnetic.proto",
+    "adit/v1/pressure.proto",
+    "adit/v1/position_fix.proto",
+    "adit/v1/radio.proto",
+    "adit/v1/signal.proto",
+    "adit/v1/range.proto",
+    "adit/v1/sighting.proto",
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={FOLDER}");

@@ -5,10 +5,11 @@
 
 use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_observation::files::Input;
+use adit_observation::order::DEFAULT_LATE_LIMIT;
 use adit_observation::sidecar::{MagneticFieldReference, MagnetometerCalibration, Sidecar, SidecarEdit};
 use adit_observation::solution_csv::SolutionReader;
 use adit_observation::tum::TumReader;
-use adit_observation::{ImuSpecification, LogError, LogReader, Observation, ReadOptions, SensorRows, truth};
+use adit_observation::{ImuSpecification, LogError, LogReader, ReadOptions, SensorRows, truth};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,16 +20,19 @@ const NAME: &str = "fuzzed";
 pub fn parse_log(bytes: &[u8]) -> Result<usize, LogError> {
     let input = Input::from_bytes(NAME, bytes)?;
     let mut log = LogReader::from_input(input, &ReadOptions::default())?;
-    let mut latest = None;
+    let (mut clock, mut newest) = (None, None);
     let mut count = 0;
     for observation in log.by_ref() {
         let observation = observation?;
         let time = observation.time();
-        if let Observation::Fix(fix) = &observation {
-            assert_eq!(fix.fault(), None, "a fix is a place with a spread");
+        assert_eq!(observation.fault(), None, "what is read can be");
+        if observation.kind().is_wired() {
+            assert!(clock.is_none_or(|clock| clock <= time), "the tag's own sensors come in order of time");
+            clock = Some(time);
+        } else if let Some(now) = clock.or(newest) {
+            assert!(now - time <= DEFAULT_LATE_LIMIT, "what comes by radio is no later than the limit");
         }
-        assert!(latest.is_none_or(|latest| latest <= time), "observations come in order of time");
-        latest = Some(time);
+        newest = newest.max(Some(time));
         count += 1;
     }
     assert!(log.warnings().len() < 100, "warnings stay few");

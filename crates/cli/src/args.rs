@@ -12,7 +12,9 @@ use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,12 +30,16 @@ Examples:
   adit demo --seed 7 --out /tmp/demo";
 
 const SIMULATE_EXAMPLES: &str = "\
-The scenario is a TOML file; scenarios/s2.toml of the repository is a commented example.
-The same scenario and seed give the same bytes.
+The scenario is a TOML file; scenarios/s2.toml (one walk) and scenarios/shift.toml (everybody in a mine) of the repository are
+commented examples. The same scenario and seed give the same bytes, on any number of threads (RAYON_NUM_THREADS).
+
+One walk: DIR/log.mcap, truth.tum and, where something is known beside them, log.toml. Everybody in a mine: DIR/p001/log.mcap,
+truth.tum, ranges_truth.csv, activities.csv, log.toml, and so on for each person, with DIR/mine.json and people.csv.
 
 Examples:
   adit simulate scenarios/s2.toml -o out/walk
-  adit simulate scenarios/s2.toml -o out/walk-7 --seed 7";
+  adit simulate scenarios/s2.toml -o out/walk-7 --seed 7
+  adit simulate scenarios/shift.toml -o out/shift --people 1-4";
 
 const TRACK_EXAMPLES: &str = "\
 Logs:
@@ -149,13 +155,50 @@ pub struct SimulateArgs {
     #[arg(value_name = "SCENARIO.toml", value_hint = ValueHint::FilePath)]
     pub scenario: PathBuf,
 
-    /// Folder for log.mcap, truth.tum and, with a magnetometer, the sidecar log.toml; made when it is not there
+    /// Folder for log.mcap, truth.tum and what is known beside them; made when it is not there
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
 
     /// Seed of every random draw, instead of the scenario's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+
+    /// Write the logs of these people only; the others are in their way all the same [default: all]
+    #[arg(long, value_name = "FIRST-LAST")]
+    pub people: Option<PeopleRange>,
+}
+
+/// Some of the people, counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PeopleRange {
+    first: usize,
+    last: usize,
+}
+
+impl PeopleRange {
+    /// As numbers from 1; `None` when there are not so many.
+    pub fn within(self, count: usize) -> Option<std::ops::RangeInclusive<usize>> {
+        (self.last <= count).then_some(self.first..=self.last)
+    }
+}
+
+impl FromStr for PeopleRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let number = |text: &str| text.trim().parse().ok().filter(|number| *number >= 1);
+        match (number(first), number(last)) {
+            (Some(first), Some(last)) if first <= last => Ok(Self { first, last }),
+            _ => Err("expected a number from 1 on, or two with a hyphen: 7, 1-20".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for PeopleRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.first, self.last)
+    }
 }
 
 /// `adit track`.

@@ -1,7 +1,8 @@
 //! Several logs as one stream in order of time.
 //!
 //! Logs on one clock are merged by time: consecutive parts of a recording, in whatever order they were named, or one file per
-//! sensor. What cannot be one person's log is an error: inertial samples of two logs that overlap in time.
+//! sensor. What cannot be one person's log is an error: inertial samples of two logs that overlap in time. What comes by radio may
+//! be late or ahead ([`adit_observation::order`]): it keeps its place among the sensors of its own log.
 //! Memory: the read-ahead of each reader.
 
 use crate::mounting::{Finding, MountingCheck};
@@ -23,10 +24,24 @@ pub struct LogStream {
 struct Part {
     reader: LogReader,
     next: Option<Observation>,
+    /// The last time of the tag's own sensors in this log.
+    clock: Option<Time>,
     /// Gravity against the mounting that its sidecar declares.
     mounting: Option<MountingCheck>,
     /// Another log has taken over the inertial samples from this one.
     superseded: bool,
+}
+
+impl Part {
+    /// When its next observation is due: at its time, but what is heard ahead of this log's own sensors must not hold them up.
+    fn turn(&self) -> Option<Time> {
+        let observation = self.next.as_ref()?;
+        let time = observation.time();
+        match self.clock {
+            Some(clock) if !observation.kind().is_wired() => Some(time.min(clock)),
+            _ => Some(time),
+        }
+    }
 }
 
 impl LogStream {
@@ -37,7 +52,7 @@ impl LogStream {
             tracing::info!("reading {} as {:?}", path.display(), reader.kind());
             let next = reader.next().transpose()?;
             let mounting = reader.sidecar().and_then(MountingCheck::of);
-            Ok(Part { reader, next, mounting, superseded: false })
+            Ok(Part { reader, next, clock: None, mounting, superseded: false })
         };
         let parts = paths.iter().map(part).collect::<Result<Vec<_>>>()?;
         Ok(Self { parts, inertial: None, warnings: Vec::new() })
@@ -60,13 +75,17 @@ impl LogStream {
     }
 
     fn take_earliest(&mut self) -> Result<Option<(usize, Observation)>> {
-        let time_of = |part: &Part| part.next.as_ref().map(Observation::time);
         let earliest = (0..self.parts.len())
-            .filter_map(|index| Some((time_of(&self.parts[index])?, index)))
+            .filter_map(|index| Some((self.parts[index].turn()?, index)))
             .min()
             .map(|(_, index)| index);
         let Some(index) = earliest else { return Ok(None) };
         let part = &mut self.parts[index];
+        if let Some(observation) = &part.next
+            && observation.kind().is_wired()
+        {
+            part.clock = Some(observation.time());
+        }
         let following = part.reader.next().transpose()?;
         Ok(std::mem::replace(&mut part.next, following).map(|observation| (index, observation)))
     }

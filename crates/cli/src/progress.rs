@@ -54,6 +54,11 @@ impl Progress {
         Self { bar }
     }
 
+    /// Moves the bar on.
+    pub fn more(&self, count: u64) {
+        self.bar.inc(count);
+    }
+
     /// Moves the bar.
     pub fn at(&self, position: u64) {
         self.bar.set_position(position);

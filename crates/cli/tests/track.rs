@@ -139,7 +139,7 @@ fn warnings_are_shown_once_each_and_the_work_goes_on() {
     assert_eq!(outcome.code, 0, "{}", outcome.stderr);
     for expected in [
         "ignored columns that are not known: battery_v",
-        "dropped repetitions of the time before, from here on: 2",
+        "dropped repetitions (same source, same time), from here on: 2",
         "no inertial sample for 1.00",
     ] {
         assert_eq!(outcome.stderr.matches(expected).count(), 1, "{expected}: {}", outcome.stderr);

@@ -38,7 +38,7 @@ fn benchmarks(criterion: &mut Criterion) {
     let tag = Tag { rate_hz: 1.0 / INTERVAL_S, duration_s: 105.0, ..Tag::default() };
     let (nine_axis, truth) = tag.record(1);
     let is_inertial = |observation: &&Observation| matches!(observation, Observation::Imu(_));
-    let six_axis: Vec<Observation> = nine_axis.iter().filter(is_inertial).copied().collect();
+    let six_axis: Vec<Observation> = nine_axis.iter().filter(is_inertial).cloned().collect();
     let single = nine_axis.chunks(2).map(|pair| match pair {
         [Observation::Imu(imu), Observation::Magnetic(magnetic)] => {
             [imu.angular_rate_rad_s, imu.specific_force_m_s2, magnetic.field_ut].map(Matrix::cast)

@@ -231,7 +231,7 @@ fn a_gap_is_told_and_survived() {
     let (log, truth) = Tag::default().record(9);
     let gapped: Vec<(usize, &Observation)> =
         log.iter().enumerate().filter(|(_, o)| !(50.0..52.0).contains(&o.time().seconds())).collect();
-    let observations: Vec<Observation> = gapped.iter().map(|(_, o)| **o).collect();
+    let observations: Vec<Observation> = gapped.iter().map(|(_, o)| (*o).clone()).collect();
     let kept: Vec<_> =
         gapped.iter().filter(|(_, o)| matches!(o, Observation::Imu(_))).map(|(k, _)| truth[k / 2]).collect();
     for (solutions, report) in [

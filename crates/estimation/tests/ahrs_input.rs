@@ -8,7 +8,7 @@ use adit_core::solution::Solution;
 use adit_core::time::{Interval, Time};
 use adit_estimation::methods::ahrs::{AhrsParams, smooth};
 use adit_estimation::methods::{MethodError, MethodWarning};
-use adit_observation::{ImuSample, MagneticSample, Observation, PositionFix};
+use adit_observation::{ImuSample, MagneticSample, Observation};
 use proptest::prelude::*;
 use support::turning::{Tag, run, worst_deg};
 
@@ -37,7 +37,7 @@ fn log() -> Vec<Observation> {
 fn inertial(log: &mut [Observation], from: usize) -> (usize, &mut ImuSample) {
     let found = log.iter_mut().enumerate().skip(from).find_map(|(index, observation)| match observation {
         Observation::Imu(sample) => Some((index, sample)),
-        Observation::Magnetic(_) | Observation::Fix(_) => None,
+        _ => None,
     });
     found.unwrap()
 }
@@ -74,7 +74,7 @@ fn a_field_that_is_no_number_is_left_out() {
         for (index, observation) in broken_log.iter_mut().enumerate() {
             match observation {
                 Observation::Magnetic(sample) if index % 10 == 1 => sample.field_ut.y = broken,
-                _ => without.push(*observation),
+                _ => without.push(observation.clone()),
             }
         }
         assert_eq!(outcomes(&broken_log), outcomes(&without));
@@ -184,7 +184,7 @@ fn covariances_stay_covariances_over_a_long_log() {
 fn a_magnetometer_that_starts_first_does_no_harm() {
     let (log, truth) = Tag { duration_s: 60.0, ..Tag::default() }.record(6);
     let late = |o: &&Observation| matches!(o, Observation::Magnetic(_)) || o.time().seconds() > 2.0;
-    let log: Vec<Observation> = log.iter().filter(late).copied().collect();
+    let log: Vec<Observation> = log.iter().filter(late).cloned().collect();
     let truth = &truth[400..];
     for outcome in outcomes(&log) {
         let solutions = outcome.unwrap();
@@ -219,7 +219,7 @@ fn a_magnetometer_may_come_late_go_away_or_be_on_another_clock() {
         let kept = |o: &&Observation| {
             matches!(o, Observation::Imu(_)) || (from_s..to_s).contains(&o.time().seconds())
         };
-        log.iter().filter(kept).copied().collect()
+        log.iter().filter(kept).cloned().collect()
     };
     for (from_s, to_s) in [(20.0, 60.0), (0.0, 20.0), (0.0, 0.05)] {
         for outcome in outcomes(&field_between(from_s, to_s)) {
@@ -252,11 +252,7 @@ fn gaps_one_after_the_other_are_each_told() {
         )
     };
     for observation in &mut log {
-        match observation {
-            Observation::Imu(sample) => sample.time = shift(sample.time),
-            Observation::Magnetic(sample) => sample.time = shift(sample.time),
-            Observation::Fix(fix) => fix.time = shift(fix.time),
-        }
+        *observation = observation.clone().at(shift(observation.time()));
     }
     for (solutions, report) in
         [run(AhrsParams::default(), &log).unwrap(), smooth(AhrsParams::default(), &log, &mut |_| ()).unwrap()]
@@ -309,11 +305,7 @@ proptest! {
             .into_iter()
             .map(|(step_ns, observation)| {
                 time = time + Interval::from_nanos(step_ns);
-                match observation {
-                    Observation::Imu(sample) => Observation::Imu(ImuSample { time, ..sample }),
-                    Observation::Magnetic(sample) => Observation::Magnetic(MagneticSample { time, ..sample }),
-                    Observation::Fix(fix) => Observation::Fix(PositionFix { time, ..fix }),
-                }
+                observation.at(time)
             })
             .collect();
         for solutions in outcomes(&log).into_iter().flatten() {

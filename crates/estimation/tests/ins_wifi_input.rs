@@ -47,7 +47,7 @@ fn a_fix_between_two_samples_is_taken_at_its_own_time() {
                 let velocity = run.truth[index].velocity_m_s.xy();
                 Observation::Fix(PositionFix { time, level_m: fix.level_m + velocity * 0.04, ..*fix })
             }
-            other => *other,
+            other => other.clone(),
         })
         .collect();
     let between = roadway::Run { log: shifted, truth: run.truth.clone(), told: run.told };
@@ -89,7 +89,7 @@ fn an_outlier_pulls_no_more_than_a_fix_at_the_bound() {
 fn a_gap_is_bridged_and_told() {
     let run = s0(9);
     let whole = run.log.iter().filter(|o| !(300.0..308.0).contains(&o.time().seconds()));
-    let gapped = roadway::Run { log: whole.copied().collect(), truth: run.truth.clone(), told: run.told };
+    let gapped = roadway::Run { log: whole.cloned().collect(), truth: run.truth.clone(), told: run.told };
     let (solutions, method) = solve::<Reduced, 10>(&gapped, params(&gapped)).unwrap();
     assert!(matches!(method.report().warnings[..], [MethodWarning::Gap { length_s, .. }] if length_s > 7.9));
     let before = solutions.iter().rfind(|s| s.time.seconds() < 300.0).unwrap().radius_95_m();
@@ -126,7 +126,7 @@ proptest! {
                 Observation::Imu(imu) if at % 3 == 1 => imu.angular_rate_rad_s.z = number,
                 Observation::Imu(imu) => imu.time = Time::from_nanos(nanos),
                 Observation::Fix(fix) => fix.level_m.x = value,
-                Observation::Magnetic(_) => {}
+                _ => {}
             }
             let fix = PositionFix::level(Time::from_nanos(nanos), Vector2::new(number, value), 0.1, FixSource::Uwb);
             run.log.insert(at % run.log.len(), Observation::Fix(fix));

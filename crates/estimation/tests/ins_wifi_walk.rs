@@ -166,7 +166,7 @@ fn singular_values(run: &Run) -> Vec<f64> {
                 method.observe(observation).unwrap();
                 state = method.mechanisation().clone();
             }
-            Observation::Magnetic(_) => {}
+            _ => {}
         }
     }
     let scale = SMatrix::<f64, 10, 10>::from_diagonal(&start);

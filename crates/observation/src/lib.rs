@@ -34,9 +34,14 @@
 //! complete, so that none is ever left half written.
 #![cfg_attr(not(feature = "std"), no_std)]
 
+extern crate alloc;
+
+mod device;
 mod fix;
 mod imu;
 mod observation;
+mod pressure;
+mod radio;
 mod start;
 
 #[cfg(feature = "std")]
@@ -49,6 +54,8 @@ pub mod files;
 mod log;
 #[cfg(feature = "std")]
 pub mod mcap_log;
+#[cfg(feature = "std")]
+mod names;
 #[cfg(feature = "std")]
 pub mod order;
 #[cfg(feature = "std")]
@@ -68,6 +75,7 @@ pub mod tum;
 #[cfg(feature = "std")]
 mod warning;
 
+pub use device::DeviceId;
 #[cfg(feature = "std")]
 pub use error::{At, LogError, Place};
 pub use fix::{FixSource, HeightFix, PositionFix};
@@ -75,6 +83,8 @@ pub use imu::{ImuSample, ImuSpecification, MagneticSample};
 #[cfg(feature = "std")]
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
 pub use observation::{Observation, ObservationKind};
+pub use pressure::PressureSample;
+pub use radio::{ImpulseResponse, Radio, RangeSample, Reception, Sighting, SignalStrength};
 #[cfg(feature = "std")]
 pub use sensor_rows::SensorRows;
 #[cfg(feature = "std")]

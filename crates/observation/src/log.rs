@@ -5,7 +5,7 @@ use crate::error::{At, LogError, Place};
 use crate::files::Input;
 use crate::mcap_log::{self, McapLog};
 use crate::observation::Observation;
-use crate::order::{DEFAULT_GAP_LIMIT, Ordered};
+use crate::order::{DEFAULT_GAP_LIMIT, DEFAULT_LATE_LIMIT, Ordered};
 use crate::plausibility::UnitChecked;
 use crate::sidecar::Sidecar;
 use crate::source::LogSource;
@@ -29,6 +29,8 @@ pub enum LogKind {
 pub struct ReadOptions {
     /// Gap between inertial samples from which on a warning is given.
     pub gap_limit: Interval,
+    /// How late an observation by radio may come (see [`crate::order`]).
+    pub late_limit: Interval,
     /// Whether numbers are checked against their units (see [`crate::plausibility`]).
     pub check_units: bool,
     /// Topics of an MCAP file to read; empty for all that adit knows.
@@ -37,13 +39,19 @@ pub struct ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { gap_limit: DEFAULT_GAP_LIMIT, check_units: true, topics: Vec::new() }
+        Self {
+            gap_limit: DEFAULT_GAP_LIMIT,
+            late_limit: DEFAULT_LATE_LIMIT,
+            check_units: true,
+            topics: Vec::new(),
+        }
     }
 }
 
 type Source = Box<dyn LogSource + Send>;
 
-/// A log being read: an iterator of observations in order of time.
+/// A log being read: an iterator of observations. Those of the tag's own sensors are in order of time; what comes by radio may be
+/// late (see [`crate::order`]).
 ///
 /// After the first error the iterator ends.
 pub struct LogReader {
@@ -85,7 +93,7 @@ impl LogReader {
         } else {
             (LogKind::Csv, Box::new(CsvLog::new(input, &mut warnings)?))
         };
-        let ordered = Ordered::new(source, options.gap_limit);
+        let ordered = Ordered::new(source, options.gap_limit, options.late_limit);
         let source = if options.check_units {
             let mut checked = UnitChecked::new(ordered);
             if !checked.look_ahead(&mut warnings)? {

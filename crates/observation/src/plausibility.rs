@@ -15,6 +15,14 @@
 //! An angular rate past [`FASTEST_GYRO_RAD_S`] on one axis is past the range of every MEMS gyro, in any sample of the log:
 //! error, deg/s under the name rad/s. (A foot in deg/s passes it within a step; a sensor that hardly turns does not, so
 //! silence proves nothing.)
+//!
+//! The other quantities are judged by the median of what comes meanwhile, where there are ten or more:
+//!
+//! | median | verdict |
+//! |---|---|
+//! | pressure below 30,000 Pa, the air at 9 km | error: hPa under the name Pa |
+//! | signal strength above 0 dBm, what a transmitter of 1 mW gives with the antennas touching | error: no sign, or percent |
+//! | range longer than 300 m, the reach of UWB and Wi-Fi in the open | warning: cm or mm under the name m? |
 
 use crate::error::{At, LogError, Place};
 use crate::imu::ImuSample;
@@ -35,7 +43,14 @@ const FEWEST_SAMPLES: usize = 10;
 const QUIET_RATE_RAD_S: f64 = 0.35;
 const ENOUGH_QUIET: usize = 50;
 
-/// A log whose units are checked against gravity and the range of gyros.
+/// The air at 9 km, above every mine.
+const THINNEST_AIR_PA: f64 = 3e4;
+/// The strongest signal that somebody walks about with.
+const STRONGEST_SIGNAL_DBM: f64 = 0.0;
+/// What UWB and Wi-Fi reach in the open.
+const LONGEST_RANGE_M: f64 = 300.0;
+
+/// A log whose units are checked against gravity, the range of gyros, the air and the reach of radios.
 pub struct UnitChecked<S> {
     source: S,
     queue: VecDeque<(Observation, At)>,
@@ -70,7 +85,7 @@ impl<S: LogSource> UnitChecked<S> {
                 }
             }
         }
-        if let Some(verdict) = self.gravity_verdict(warnings) {
+        if let Some(verdict) = self.gravity_verdict(warnings).or_else(|| self.other_verdicts(warnings)) {
             return Err(verdict);
         }
         match self.failure.take_if(|_| self.queue.is_empty()) {
@@ -83,7 +98,7 @@ impl<S: LogSource> UnitChecked<S> {
         let samples = || {
             self.queue.iter().filter_map(|(observation, _)| match observation {
                 Observation::Imu(sample) => Some(sample),
-                Observation::Magnetic(_) | Observation::Fix(_) => None,
+                _ => None,
             })
         };
         let quiet = samples().filter(|s| s.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S).map(force);
@@ -91,12 +106,7 @@ impl<S: LogSource> UnitChecked<S> {
         if forces.len() < ENOUGH_QUIET {
             forces = samples().map(force).collect();
         }
-        if forces.len() < FEWEST_SAMPLES {
-            return None;
-        }
-        let middle = forces.len() / 2;
-        let (_, median, _) = forces.select_nth_unstable_by(middle, f64::total_cmp);
-        let median = *median;
+        let median = median(forces)?;
         let place = Place::new(self.source.file(), self.queue.back()?.1);
         let verdict = match median {
             0.5..=2.0 => "this looks like g, not m/s² (or gravity has been taken out)",
@@ -104,12 +114,7 @@ impl<S: LogSource> UnitChecked<S> {
             700.0..=1300.0 => "this looks like mg or cm/s², not m/s²",
             3.0..=40.0 => return None,
             _ => {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "a float saturates when it becomes an integer"
-                )]
-                let median_mm_s2 = (median * 1000.0).round() as i64;
-                warnings.push(LogWarning::UnlikelyGravity { place, median_mm_s2 });
+                warnings.push(LogWarning::UnlikelyGravity { place, median_mm_s2: thousandths(median) });
                 return None;
             }
         };
@@ -121,6 +126,66 @@ impl<S: LogSource> UnitChecked<S> {
             verdict,
         })
     }
+
+    fn other_verdicts(&self, warnings: &mut Warnings) -> Option<LogError> {
+        let pressures = self.median_of(|observation| match observation {
+            Observation::Pressure(sample) => Some(sample.pressure_pa),
+            _ => None,
+        });
+        if let Some((median, at)) = pressures.filter(|(median, _)| *median < THINNEST_AIR_PA) {
+            return Some(LogError::ImplausibleUnit {
+                place: Place::new(self.source.file(), at),
+                quantity: "air pressure",
+                found: format!("a median of {median:.1} Pa after conversion"),
+                expected: "about 100,000 Pa",
+                verdict: "this looks like hPa, not Pa",
+            });
+        }
+        let signals = self.median_of(|observation| match observation {
+            Observation::Signal(signal) => Some(signal.rssi_dbm),
+            _ => None,
+        });
+        if let Some((median, at)) = signals.filter(|(median, _)| *median > STRONGEST_SIGNAL_DBM) {
+            return Some(LogError::ImplausibleUnit {
+                place: Place::new(self.source.file(), at),
+                quantity: "signal strength",
+                found: format!("a median of {median:.1} dBm"),
+                expected: "-100 to -30 dBm",
+                verdict: "this looks like a signal strength without its sign, or in percent, not dBm",
+            });
+        }
+        let ranges = self.median_of(|observation| match observation {
+            Observation::Range(range) => Some(range.range_m),
+            _ => None,
+        });
+        if let Some((median, at)) = ranges.filter(|(median, _)| *median > LONGEST_RANGE_M) {
+            let place = Place::new(self.source.file(), at);
+            warnings.push(LogWarning::UnlikelyRange { place, median_mm: thousandths(median) });
+        }
+        None
+    }
+
+    /// The median of a quantity over what was read ahead, and where the last of it stands.
+    fn median_of(&self, quantity: impl Fn(&Observation) -> Option<f64>) -> Option<(f64, At)> {
+        let values = self.queue.iter().filter_map(|(observation, _)| quantity(observation)).collect();
+        let last = self.queue.iter().rev().find(|(observation, _)| quantity(observation).is_some());
+        Some((median(values)?, last?.1))
+    }
+}
+
+/// The upper median; `None` of too few.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    if values.len() < FEWEST_SAMPLES {
+        return None;
+    }
+    let middle = values.len() / 2;
+    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a float saturates when it becomes an integer")]
+fn thousandths(value: f64) -> i64 {
+    (value * 1000.0).round() as i64
 }
 
 fn force(sample: &ImuSample) -> f64 {

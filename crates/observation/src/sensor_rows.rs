@@ -1,14 +1,15 @@
 //! What each sensor said, as it said it: the door for calibrations.
 //!
 //! Unlike [`crate::open`] this applies no sidecar (a calibration is made in the sensor's own axes, from readings that no
-//! earlier calibration has touched) and reads a log of any one sensor, also an accelerometer or a gyro alone. Order is
-//! checked as everywhere: time that runs backwards is an error, a repeated stamp is dropped and counted.
+//! earlier calibration has touched) and reads a log of any one sensor, also an accelerometer or a gyro alone. What other
+//! devices say (fixes, signal strengths, ranges, sightings) is passed over unread. Order is checked as everywhere: time that runs
+//! backwards is an error, a repeated stamp is dropped and counted.
 
 use crate::csv_log::{Row, RowReader};
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
 use crate::mcap_log::{self, McapLog};
-use crate::observation::{Observation, ObservationKind};
+use crate::observation::Observation;
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use adit_core::time::Time;
@@ -26,8 +27,8 @@ pub struct SensorRows {
     warnings: Warnings,
     progress: (Arc<AtomicU64>, Option<u64>),
     latest: Option<Time>,
-    /// Last stamp of each kind.
-    latest_of: [Option<Time>; ObservationKind::COUNT],
+    /// Last stamp of inertial sensor, magnetometer, barometer.
+    latest_of: [Option<Time>; 3],
     ended: bool,
 }
 
@@ -51,15 +52,7 @@ impl SensorRows {
         } else {
             Source::Csv(Box::new(RowReader::new(input, &mut warnings)?))
         };
-        Ok(Self {
-            source,
-            file,
-            warnings,
-            progress,
-            latest: None,
-            latest_of: [None; ObservationKind::COUNT],
-            ended: false,
-        })
+        Ok(Self { source, file, warnings, progress, latest: None, latest_of: [None; 3], ended: false })
     }
 
     /// What was odd so far; complete once the iterator has ended.
@@ -94,13 +87,16 @@ impl SensorRows {
 
     fn next_row(&mut self) -> Result<Option<Row>, LogError> {
         while let Some((mut row, at)) = self.pull()? {
+            if !row.says_something() {
+                continue;
+            }
             if let Some(before) = self.latest.replace(row.time)
                 && row.time < before
             {
                 let place = Place::new(&self.file, at);
                 return Err(LogError::TimeBackwards { place, found: row.time, before });
             }
-            let [inertial, magnetic, fixed] = &mut self.latest_of;
+            let [inertial, magnetic, pressure] = &mut self.latest_of;
             let mut repeated = false;
             let has_inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
             if has_inertial && inertial.replace(row.time) == Some(row.time) {
@@ -109,14 +105,13 @@ impl SensorRows {
             if row.field_ut.is_some() && magnetic.replace(row.time) == Some(row.time) {
                 (row.field_ut, repeated) = (None, true);
             }
-            if row.fix.is_some() && fixed.replace(row.time) == Some(row.time) {
-                (row.fix, repeated) = (None, true);
+            if row.pressure_pa.is_some() && pressure.replace(row.time) == Some(row.time) {
+                (row.pressure_pa, repeated) = (None, true);
             }
             if repeated {
                 self.warnings.repeated(&self.file, at);
             }
-            let inertial = row.specific_force_m_s2.is_some() || row.angular_rate_rad_s.is_some();
-            if inertial || row.field_ut.is_some() || row.fix.is_some() {
+            if row.says_something() {
                 return Ok(Some(row));
             }
         }
@@ -124,17 +119,17 @@ impl SensorRows {
     }
 }
 
+/// What an observation of the tag's own sensors says, as a row.
 fn row(observation: &Observation) -> Row {
-    let time = observation.time();
-    let mut row =
-        Row { time, specific_force_m_s2: None, angular_rate_rad_s: None, field_ut: None, fix: None };
+    let mut row = Row::empty(observation.time());
     match observation {
         Observation::Imu(sample) => {
             row.specific_force_m_s2 = Some(sample.specific_force_m_s2);
             row.angular_rate_rad_s = Some(sample.angular_rate_rad_s);
         }
         Observation::Magnetic(sample) => row.field_ut = Some(sample.field_ut),
-        Observation::Fix(fix) => row.fix = Some(*fix),
+        Observation::Pressure(sample) => row.pressure_pa = Some(sample.pressure_pa),
+        Observation::Fix(_) | Observation::Signal(_) | Observation::Range(_) | Observation::Sighting(_) => {}
     }
     row
 }

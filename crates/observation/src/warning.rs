@@ -32,12 +32,32 @@ pub enum LogWarning {
         /// The first of them.
         topics: Vec<String>,
     },
-    /// Rows or messages dropped because they repeat the stamp before them.
+    /// Rows or messages dropped because the same sensor or device has said something at that time before.
     RepeatedTime {
         /// The first one dropped.
         first: Place,
         /// How many.
         count: u64,
+    },
+    /// Observations by radio that came after newer ones; passed on.
+    Late {
+        /// The first one.
+        first: Place,
+        /// How many.
+        count: u64,
+        /// The longest delay.
+        longest: Interval,
+    },
+    /// Observations by radio dropped because they came later than the limit.
+    TooLate {
+        /// The first one dropped.
+        first: Place,
+        /// How many.
+        count: u64,
+        /// The longest delay.
+        longest: Interval,
+        /// The limit they exceed.
+        limit: Interval,
     },
     /// No inertial sample for longer than the limit.
     Gap {
@@ -66,6 +86,13 @@ pub enum LogWarning {
         /// How many.
         count: u64,
     },
+    /// Ranges longer than an indoor radio reaches.
+    UnlikelyRange {
+        /// The line of the last range looked at.
+        place: Place,
+        /// Their median, mm (an integer, so that warnings compare).
+        median_mm: i64,
+    },
     /// The specific force at rest is neither gravity nor gravity in a wrong unit.
     UnlikelyGravity {
         /// The line of the last sample looked at.
@@ -89,8 +116,24 @@ impl fmt::Display for LogWarning {
                 write!(f, "{place}: ignored topics that are not known: {}", topics.join(", "))
             }
             Self::RepeatedTime { first, count } => {
-                write!(f, "{first}: dropped repetitions of the time before, from here on: {count}")
+                write!(f, "{first}: dropped repetitions (same source, same time), from here on: {count}")
             }
+            Self::Late { first, count, longest } => write!(
+                f,
+                "{first}: observations by radio came late, from here on: {count}, at most {} s",
+                longest.seconds()
+            ),
+            Self::TooLate { first, count, longest, limit } => write!(
+                f,
+                "{first}: dropped observations by radio more than {} s late, from here on: {count}, at most {} s",
+                limit.seconds(),
+                longest.seconds()
+            ),
+            Self::UnlikelyRange { place, median_mm } => write!(
+                f,
+                "{place}: the ranges have a median of {} m up to here, longer than a radio indoors reaches: are they in cm or mm?",
+                *median_mm as f64 / 1000.0
+            ),
             Self::Gap { place, before, after, limit } => write!(
                 f,
                 "{place}: no inertial sample for {} s (from {before} s to {after} s, limit {} s)",
@@ -143,6 +186,30 @@ impl Warnings {
             }
         }
         self.list.push(LogWarning::RepeatedTime { first: Place::new(file, at), count: 1 });
+    }
+
+    /// Counts an observation that came late.
+    pub fn late(&mut self, file: &Arc<Path>, at: At, delay: Interval) {
+        for warning in &mut self.list {
+            if let LogWarning::Late { count, longest, .. } = warning {
+                *count += 1;
+                *longest = delay.max(*longest);
+                return;
+            }
+        }
+        self.list.push(LogWarning::Late { first: Place::new(file, at), count: 1, longest: delay });
+    }
+
+    /// Counts an observation dropped because it came too late.
+    pub fn too_late(&mut self, file: &Arc<Path>, at: At, delay: Interval, limit: Interval) {
+        for warning in &mut self.list {
+            if let LogWarning::TooLate { count, longest, .. } = warning {
+                *count += 1;
+                *longest = delay.max(*longest);
+                return;
+            }
+        }
+        self.list.push(LogWarning::TooLate { first: Place::new(file, at), count: 1, longest: delay, limit });
     }
 
     /// Counts a skipped row.

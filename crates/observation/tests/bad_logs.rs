@@ -106,7 +106,7 @@ fn repeated_rows_are_dropped_and_counted() {
     let imu = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
     assert_eq!(imu, 5);
     let text: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(text, ["a.csv:6: dropped repetitions of the time before, from here on: 2"]);
+    assert_eq!(text, ["a.csv:6: dropped repetitions (same source, same time), from here on: 2"]);
 }
 
 #[test]

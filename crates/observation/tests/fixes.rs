@@ -142,7 +142,7 @@ fn what_is_written_comes_back_bit_for_bit() {
 fn a_csv_log_of_fixes_takes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = CsvLogWriter::create(folder.path().join("fixes.csv"), Sensors::Fixes).unwrap();
-    let imu = read_all("a.csv", csv_log(1).as_bytes()).unwrap().0[0];
+    let imu = read_all("a.csv", csv_log(1).as_bytes()).unwrap().0.remove(0);
     assert!(writer.push(&imu).unwrap_err().to_string().contains("Imu at 0.000000000 s in a log of Fixes"));
     let Observation::Fix(mut bad) = sample_fixes()[0] else { panic!("a fix") };
     bad.covariance_m2 *= -1.0;

@@ -8,8 +8,8 @@ mod common;
 #[path = "../../../fuzz/src/lib.rs"]
 mod parsers;
 
-use adit_observation::LogError;
 use adit_observation::mcap_log::Packing;
+use adit_observation::{ImpulseResponse, LogError, Observation};
 use common::{csv_log, gzip, mcap, read_all};
 use parsers::{
     check, parse_log, parse_sensor_rows, parse_sidecar, parse_solution_csv, parse_truth, parse_tum,
@@ -17,6 +17,7 @@ use parsers::{
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use std::fmt::Write;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// What mutations like to put in place of text.
@@ -130,6 +131,41 @@ fn logs_with_fixes() {
     drive("log fixes mcap", parse_log, &observations.map(|log| mcap(&log, Packing::Plain)));
 }
 
+/// What comes by radio: alone, beside inertial samples, with all that a device may tell, late and twice.
+const RADIO: [&str; 4] = [
+    "time_s,tag_id,anchor_id,range_m,range_sigma_m,line_of_sight,valid,radio,rx_power_dBm,first_path_power_dBm,\
+     first_path_index_tap,peak_index_tap,first_path_amp1,first_path_amp2,first_path_amp3,noise_std,noise_max,preamble_count\n\
+     0,1,7475,3.23,0.1,0.25,1,uwb,-79.5,-81.25,745.312,747,14808,14198,9559,48,1236,230\n\
+     0,1,7475,3.25,0.1,0.25,1,uwb,-inf,,,,,,,,,\n1,2,a,-0.5,,,0,,,,,,,,,,,\n0.5,2,a,1e3,,,1,,,,,,,,,,,\n",
+    "time_ms,range_a0_m,range_a1_mm,tag,reader,radio\n0,3.3,4787,t,,uwb\n104,,5000,t,portal,\n50,1,,,portal,wifi\n",
+    "time_s,acc_x_g,acc_y_g,acc_z_g,gyro_x_deg_s,gyro_y_deg_s,gyro_z_deg_s,pressure_hPa,beacon,rssi_dBm\n\
+     0,0,0,1,0,0,0,1013.25,b1,-70\n0.1,0,0,1,0,0,0,,b2,-71\n0.2,0,0,1,0,0,0,1013.3,b1,\n",
+    "time_s,access_point,rssi_dBm,radio,pressure_Pa\n60,ap,-60.5,wifi,97727.73\n60,ap2,-70,,\n5,ap,-60,,\n60.1,ap,-60,ble,97727.7\n",
+];
+
+#[test]
+fn logs_with_radio() {
+    drive("log radio", parse_log, &RADIO.map(|text| text.as_bytes().to_vec()));
+    drive(
+        "sensor_rows radio",
+        parse_sensor_rows,
+        &RADIO[2..].iter().map(|text| text.as_bytes().to_vec()).collect::<Vec<_>>(),
+    );
+}
+
+#[test]
+fn mcap_logs_with_radio() {
+    let mut logs = RADIO.map(|text| read_all("seed.csv", text.as_bytes()).unwrap().0);
+    if let Observation::Range(range) = &mut logs[0][0] {
+        let taps = (0..60).map(|tap| [tap * 300, -tap]).collect();
+        let mut told = range.reception.as_deref().cloned().unwrap_or_default();
+        told.impulse_response = Some(ImpulseResponse { first_tap: 700, taps });
+        range.reception = Some(Arc::new(told));
+    }
+    drive("log radio mcap", parse_log, &logs.clone().map(|log| without_checksum(mcap(&log, Packing::Plain))));
+    drive("log radio packed", parse_log, &logs.map(|log| mcap(&log, Packing::Lz4)));
+}
+
 #[test]
 fn logs_of_one_sensor() {
     let force = b"time_s,acc_x_g,acc_y_g,acc_z_g\n0,0,0,1\n0.01,0,0.5,1\n0.02,0,0,1\n";
@@ -161,14 +197,16 @@ fn plain_mcap_logs() {
 fn mcap_chunks_without_a_checksum() {
     // Past the checksum, mutations reach the records and messages themselves.
     let observations = read_all("seed.csv", csv_log(20).as_bytes()).unwrap().0;
-    let unchecked = |packing| {
-        let mut bytes = mcap(&observations, packing);
-        let chunk = first_chunk(&bytes);
-        // Times (16 bytes) and size (8 bytes) stand before the checksum; zero means none.
-        bytes[chunk + 24..chunk + 28].fill(0);
-        bytes
-    };
+    let unchecked = |packing| without_checksum(mcap(&observations, packing));
     drive("log unchecked", parse_log, &[unchecked(Packing::Plain), unchecked(Packing::Lz4)]);
+}
+
+/// The file with a first chunk that has no checksum.
+fn without_checksum(mut bytes: Vec<u8>) -> Vec<u8> {
+    let chunk = first_chunk(&bytes);
+    // Times (16 bytes) and size (8 bytes) stand before the checksum; zero means none.
+    bytes[chunk + 24..chunk + 28].fill(0);
+    bytes
 }
 
 /// Where the body of the first chunk record starts.

@@ -76,3 +76,15 @@ fn what_is_broken_is_said_once() {
     assert!(rows.next().unwrap().unwrap_err().to_string().starts_with("log.csv:2: mag_y_uT: found \"x\""));
     assert!(rows.next().is_none());
 }
+
+#[test]
+fn a_barometer_is_read_and_what_comes_by_radio_is_passed_over() {
+    let header = "time_s,pressure_hPa,anchor,range_m\n";
+    // A late range, one without a name, one at the time of a reading that repeats.
+    let (read, warnings) =
+        rows(&format!("{header}1,1013,,\n0.5,,a,5\n2,,,5\n3,1013.5,a,5\n3,1014,a,5\n")).unwrap();
+    let told: Vec<_> = read.iter().map(|row| (row.time.seconds(), row.pressure_pa)).collect();
+    assert_eq!((told, warnings), (vec![(1.0, Some(101_300.0)), (3.0, Some(101_350.0))], 1));
+    let error = rows(&format!("{header}1,1013,,\n0.5,1013,a,5\n")).unwrap_err().to_string();
+    assert!(error.starts_with("log.csv:3: time runs backwards"), "{error}");
+}

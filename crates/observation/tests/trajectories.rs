@@ -143,7 +143,7 @@ fn truth_rows_with_empty_fields_are_skipped_and_counted() {
         [
             "w_truth.csv:1: ignored columns that are not known: foot",
             "w_truth.csv:3: skipped rows with empty fields, from here on: 2",
-            "w_truth.csv:6: dropped repetitions of the time before, from here on: 1"
+            "w_truth.csv:6: dropped repetitions (same source, same time), from here on: 1"
         ]
     );
 }

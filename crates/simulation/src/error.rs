@@ -13,6 +13,16 @@ pub enum SimulationError {
         /// The range in words.
         expected: &'static str,
     },
+    /// A name that nothing bears, or a place that cannot be had.
+    #[error("{name} is \"{found}\", expected {expected}")]
+    Unknown {
+        /// Field name.
+        name: &'static str,
+        /// What stands there.
+        found: String,
+        /// What would fit, in words.
+        expected: &'static str,
+    },
 }
 
 /// `found` lies between `low` and `high`; not a number lies nowhere.

@@ -100,6 +100,11 @@ impl FootWalk {
         Ok(Self { foot, footprints: plan.footprints(&mut rng)? })
     }
 
+    /// Over footprints that are laid already.
+    pub(crate) fn over(foot: Foot, footprints: Footprints) -> Self {
+        Self { foot, footprints }
+    }
+
     /// The strides in order of time.
     pub fn strides(&self) -> &[Stride] {
         &self.footprints.strides

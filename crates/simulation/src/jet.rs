@@ -41,6 +41,24 @@ impl Jet {
         (self.chain(sin, cos, -sin), self.chain(cos, -sin, -cos))
     }
 
+    /// Direction of the vector `(x, y)`, anticlockwise from x, rad in (−π, π]; the vector is not zero.
+    #[must_use]
+    pub fn atan2(y: Self, x: Self) -> Self {
+        let square = x * x + y * y;
+        let area = x.value * y.first - y.value * x.first;
+        let swept = x.value * y.second - y.value * x.second;
+        let first = area / square.value;
+        let second = (swept - first * square.first) / square.value;
+        Self { value: libm::atan2(y.value, x.value), first, second }
+    }
+
+    /// Square root of what is above zero.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        let root = libm::sqrt(self.value);
+        self.chain(root, 0.5 / root, -0.25 / (root * self.value))
+    }
+
     /// Fourth power.
     #[must_use]
     pub fn fourth_power(self) -> Self {
@@ -170,6 +188,21 @@ mod tests {
         assert!((f.value - t * t * s).abs() < 1e-15);
         assert!((f.first - (2.0 * t * s + t * t * c)).abs() < 1e-15);
         assert!((f.second - ((2.0 - t * t) * s + 4.0 * t * c)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn direction_and_length_of_a_turning_vector_have_their_derivatives() {
+        // Turns by 0.3 + 2 t − t² and grows as 1 + t: known by construction.
+        let (angle, length) =
+            (Jet { value: 0.3, first: 2.0, second: -2.0 }, Jet { value: 1.0, first: 1.0, second: 0.0 });
+        let (sin, cos) = angle.sin_cos();
+        let (x, y) = (cos * length, sin * length);
+        let (direction, norm) = (Jet::atan2(y, x), (x * x + y * y).sqrt());
+        for (found, expected) in [(direction, angle), (norm, length)] {
+            assert!((found.value - expected.value).abs() < 1e-15);
+            assert!((found.first - expected.first).abs() < 1e-14);
+            assert!((found.second - expected.second).abs() < 1e-13);
+        }
     }
 
     #[test]

@@ -13,6 +13,9 @@
 //! 6. [`MagneticWorld`]: the Earth's field, steel that stands or moves, cables;
 //! 7. [`Magnetometer`]: what a real one makes of that field.
 //!
+//! [`radio`] is what radios say in a mine: signal strengths, ranges, channel impulse responses.
+//! [`people`] and [`pressure`] are a mine's: who walks, works and rides where, sensors on them, and the air that they breathe.
+//!
 //! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
 //!
 //! [`generate_marg`] adds the last two to a walk, [`Generator::with_magnetometer`] to any motion. Frames are those of
@@ -20,6 +23,7 @@
 //! strapdown integration at all.
 
 mod blend;
+mod emission;
 mod error;
 mod gait;
 mod jet;
@@ -34,10 +38,15 @@ pub mod magnetic;
 pub mod magnetometer;
 pub mod magnetometer_presets;
 pub mod marg;
+pub mod people;
+pub mod pressure;
+pub mod radio;
 pub mod roadway;
 pub mod scenario;
 pub mod tumble;
+pub mod workforce;
 
+pub use emission::Emission;
 pub use error::SimulationError;
 pub use foot_motion::FootWalk;
 pub use gait::{Foot, Gait};
@@ -45,8 +54,11 @@ pub use ideal_imu::{IdealImu, Inertial, STANDARD_GRAVITY_M_S2, Sampling};
 pub use imu_errors::{ImuErrorModel, ImuErrors, TriadErrors};
 pub use magnetic::{Cable, Course, EarthField, MagneticWorld, Move, SteelBody};
 pub use magnetometer::{Magnetometer, MagnetometerModel};
-pub use marg::{Emission, MagneticTruth, MargGenerator, generate_marg};
+pub use marg::{MagneticTruth, MargGenerator, generate_marg};
 pub use motion::{Motion, MotionState};
+pub use people::{Person, Population, PopulationSpec};
+pub use pressure::{Barometer, BarometerModel, MineAir};
+pub use radio::{RadioSpec, RadioWorld, Tag};
 pub use roadway::{
     FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
 };

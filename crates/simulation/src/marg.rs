@@ -4,17 +4,19 @@
 //! of the field in body axes over the integration time that ended `latency` earlier, at the place where the sensor was
 //! then. Samples come in order of their **stamps**; at equal stamps the IMU comes first, as in a row of a CSV log.
 
+use crate::emission::Emission;
 use crate::error::SimulationError;
 use crate::ideal_imu::quadrature;
 use crate::imu_errors::ImuErrorModel;
 use crate::magnetic::MagneticWorld;
 use crate::magnetometer::{Magnetometer, MagnetometerModel};
 use crate::motion::Motion;
-use crate::scenario::{FootWalkScenario, Generator, TruthState, generate};
+use crate::radio::delivery::Stamped;
+use crate::scenario::{FootWalkScenario, Generator, generate};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
-use adit_observation::{ImuSample, MagneticSample, Observation, PositionFix};
+use adit_observation::MagneticSample;
 
 /// Truth at the end of a magnetic sample's integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,32 +33,6 @@ pub struct MagneticTruth {
     pub disturbance_ut: Vector3<f64>,
 }
 
-/// One sample with its truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Emission {
-    /// Gyro and accelerometer.
-    Imu(ImuSample, TruthState),
-    /// Magnetometer.
-    Magnetic(MagneticSample, MagneticTruth),
-    /// A position from outside, and the true one, level frame, m.
-    Fix(PositionFix, Vector3<f64>),
-}
-
-impl Emission {
-    /// The sample alone.
-    pub fn observation(&self) -> Observation {
-        match self {
-            Self::Imu(sample, _) => Observation::Imu(*sample),
-            Self::Magnetic(sample, _) => Observation::Magnetic(*sample),
-            Self::Fix(fix, _) => Observation::Fix(*fix),
-        }
-    }
-
-    fn stamp(&self) -> Time {
-        self.observation().time()
-    }
-}
-
 /// Samples of IMU and magnetometer on a walking foot; [`generate`] with a magnetometer. The IMU's samples are the same.
 ///
 /// ```
@@ -68,7 +44,7 @@ impl Emission {
 /// let (imu, mag) = (ImuErrorModel::xsens_mti_g(), MagnetometerModel::xsens_mti_g());
 /// let norms = generate_marg(&walk, &imu, &world, &mag, 1)?.filter_map(|emission| match emission {
 ///     Emission::Magnetic(sample, _) => Some(sample.field_ut.norm()),
-///     Emission::Imu(..) | Emission::Fix(..) => None,
+///     _ => None,
 /// });
 /// assert!(norms.into_iter().all(|norm| (norm - 55.3).abs() < 5.0));
 /// # Ok(())
@@ -176,7 +152,7 @@ impl<M: Motion> Iterator for MargGenerator<M> {
             self.next_magnetic = self.magnetic();
         }
         let imu_first = match (&self.next_imu, &self.next_magnetic) {
-            (Some(imu), Some(magnetic)) => imu.stamp() <= magnetic.stamp(),
+            (Some(imu), Some(magnetic)) => imu.time() <= magnetic.time(),
             (imu, _) => imu.is_some(),
         };
         if imu_first { self.next_imu.take() } else { self.next_magnetic.take() }

@@ -5,6 +5,7 @@
 use crate::jet::Jet;
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Pose of the sensor and its exact derivatives at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,16 @@ pub trait Motion {
 
     /// How long the motion lasts, s.
     fn duration_s(&self) -> f64;
+}
+
+impl<M: Motion + ?Sized> Motion for Arc<M> {
+    fn at(&self, time_s: f64) -> MotionState {
+        (**self).at(time_s)
+    }
+
+    fn duration_s(&self) -> f64 {
+        (**self).duration_s()
+    }
 }
 
 /// Attitude as rotations about z, then y, then x.

@@ -101,7 +101,7 @@ impl Scenario {
 
 impl super::Source {
     /// The folder of the file.
-    fn folder(&self) -> &Path {
+    pub fn folder(&self) -> &Path {
         self.file().parent().unwrap_or(Path::new(""))
     }
 }

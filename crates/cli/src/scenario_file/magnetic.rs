@@ -4,7 +4,7 @@ use super::{Preset, Source, named};
 use adit_core::nalgebra::Vector3;
 use adit_simulation::{
     Cable, Course, EarthField, FootWalk, MagneticWorld, MagnetometerModel, Motion, Move, SimulationError,
-    SteelBody,
+    SteelBody, Tumble,
 };
 use anyhow::Result;
 use serde::Deserialize;
@@ -113,6 +113,17 @@ impl Magnetic {
             check(&model, soft_iron.span())?;
         }
         Ok(model)
+    }
+
+    /// The world of many motions.
+    pub fn standing_world(&self, source: &Source) -> Result<MagneticWorld> {
+        for steel in &self.steel {
+            if steel.get_ref().peak_at_sensor_ut.is_some() {
+                let what = "peak_at_sensor_ut is that of one sensor, here are many: give peak = { field_ut, distance_m }";
+                return Err(source.error(&steel.span(), what));
+            }
+        }
+        self.world(&Tumble::still(1.0, 1.0), None, source)
     }
 
     /// The world around a motion; `walk` is that motion when somebody walks.

@@ -1,7 +1,7 @@
 //! Scenarios as people write them: TOML with degrees, names of gaits and sensors, and one line a leg.
 //!
 //! ```toml
-//! kind = "foot-walk"        # or tumble, roadway-walk: a table [tumble], [roadway] in place of gait, heading_deg and legs
+//! kind = "foot-walk"        # or tumble, roadway-walk, mine: a table [tumble], [roadway], [mine] in place of gait, heading_deg and legs
 //! seed = 1
 //! sensor = "adis16448"      # or another preset, or a table [sensors.NAME] of this file
 //! gait = "walk"             # or slow, run, stairs, or a table [gaits.NAME] of this file
@@ -19,6 +19,7 @@
 
 mod compare;
 mod magnetic;
+mod mine;
 mod place;
 mod roadway;
 mod tumble;
@@ -33,6 +34,8 @@ use anyhow::Result;
 use compare::CompareEntry;
 pub use compare::{Contender, Contest};
 use magnetic::Magnetic;
+pub use mine::Everybody;
+use mine::MineEntry;
 use place::Source;
 use roadway::RoadwayEntry;
 use serde::Deserialize;
@@ -75,6 +78,8 @@ struct Entries {
     tumble: Option<Spanned<TumbleEntry>>,
     /// The level walk, its fixes and its start.
     roadway: Option<Spanned<RoadwayEntry>>,
+    /// Everybody in a mine.
+    mine: Option<Spanned<MineEntry>>,
     /// Field and magnetometer.
     magnetic: Option<Magnetic>,
     /// What `adit compare` runs.
@@ -96,6 +101,7 @@ enum Kind {
     FootWalk,
     Tumble,
     RoadwayWalk,
+    Mine,
 }
 
 /// A leg as people write it; [`Leg`] with degrees and names.
@@ -129,13 +135,13 @@ const GAITS: [Preset<Gait>; 4] =
     [("walk", Gait::walk), ("slow", Gait::slow), ("run", Gait::run), ("stairs", Gait::stairs)];
 
 /// A simulation about to run.
-pub struct Run {
+pub struct Run<I = Box<dyn Iterator<Item = Emission>>> {
     /// Length in time, s.
     pub duration_s: f64,
     /// What somebody would tell in a sidecar of this run, where there is something to tell.
     pub sidecar: Option<Sidecar>,
     /// Samples with their truth, in order of time.
-    pub emissions: Box<dyn Iterator<Item = Emission>>,
+    pub emissions: I,
 }
 
 impl Scenario {
@@ -155,7 +161,7 @@ impl Scenario {
         Ok(Self { seed: entries.seed, entries, source: Source::new(path, text) })
     }
 
-    /// Starts the simulation.
+    /// Starts the simulation; of everybody in a mine, that of the first.
     pub fn generate(&self, seed: u64) -> Result<Run> {
         match *self.entries.kind.get_ref() {
             Kind::FootWalk => {
@@ -171,6 +177,10 @@ impl Scenario {
                 self.run(tumble, magnetometer, seed)
             }
             Kind::RoadwayWalk => self.roadway_walk(seed),
+            Kind::Mine => {
+                let Run { duration_s, sidecar, emissions } = self.everybody(seed)?.person(0)?;
+                Ok(Run { duration_s, sidecar, emissions: Box::new(emissions) })
+            }
         }
     }
 
@@ -213,9 +223,8 @@ impl Scenario {
     }
 
     fn foot_walk(&self) -> Result<FootWalkScenario> {
-        let Entries { gait, gaits, heading_deg, legs, tumble, .. } = &self.entries;
-        self.strange("tumble", tumble.as_ref())?;
-        self.strange("roadway", self.entries.roadway.as_ref())?;
+        let Entries { gait, gaits, heading_deg, legs, .. } = &self.entries;
+        self.only(&["gait", "heading_deg", "legs", "latitude_deg"])?;
         for own in gaits.values() {
             own.get_ref().check().map_err(|error| self.source.refused(&own.span(), &error))?;
         }
@@ -230,12 +239,8 @@ impl Scenario {
     }
 
     fn tumble(&self) -> Result<Tumble> {
-        let Entries { gait, heading_deg, legs, tumble, .. } = &self.entries;
-        self.strange("gait", gait.as_ref())?;
-        self.strange("heading_deg", heading_deg.as_ref())?;
-        self.strange("legs", legs.as_ref())?;
-        self.strange("roadway", self.entries.roadway.as_ref())?;
-        let entry = self.needed("tumble", tumble.as_ref())?;
+        self.only(&["tumble", "latitude_deg"])?;
+        let entry = self.needed("tumble", self.entries.tumble.as_ref())?;
         let tumble = entry.get_ref().tumble();
         tumble.check().map_err(|error| self.source.refused(&entry.span(), &error))?;
         Ok(tumble)
@@ -274,11 +279,26 @@ impl Scenario {
         })
     }
 
-    /// What this kind of scenario has no use for.
-    fn strange<T>(&self, name: &str, entry: Option<&Spanned<T>>) -> Result<()> {
-        let Some(entry) = entry else { return Ok(()) };
-        let kind = self.entries.kind.get_ref().name();
-        Err(self.source.error(&entry.span(), &format!("`{name}` has no use in kind = \"{kind}\": remove it")))
+    /// Of what belongs to one kind of scenario or another, there is nothing but this.
+    fn only(&self, used: &[&str]) -> Result<()> {
+        fn place<T>(entry: Option<&Spanned<T>>) -> Option<Range<usize>> {
+            entry.map(Spanned::span)
+        }
+        let entries = &self.entries;
+        let given = [
+            ("gait", place(entries.gait.as_ref())),
+            ("heading_deg", place(entries.heading_deg.as_ref())),
+            ("legs", place(entries.legs.as_ref())),
+            ("latitude_deg", place(entries.latitude_deg.as_ref())),
+            ("tumble", place(entries.tumble.as_ref())),
+            ("roadway", place(entries.roadway.as_ref())),
+            ("mine", place(entries.mine.as_ref())),
+        ];
+        let strange =
+            given.into_iter().find_map(|(name, span)| Some((name, span?)).filter(|_| !used.contains(&name)));
+        let Some((name, span)) = strange else { return Ok(()) };
+        let kind = entries.kind.get_ref().name();
+        Err(self.source.error(&span, &format!("`{name}` has no use in kind = \"{kind}\": remove it")))
     }
 
     fn gait(&self, name: &Spanned<String>) -> Result<Gait> {
@@ -308,6 +328,7 @@ impl Kind {
             Self::FootWalk => "foot-walk",
             Self::Tumble => "tumble",
             Self::RoadwayWalk => "roadway-walk",
+            Self::Mine => "mine",
         }
     }
 }

@@ -32,11 +32,16 @@ impl Source {
     /// An error of the simulator: at the line that gives the parameter this value, else at one that names it, else where
     /// `span` starts.
     pub fn refused(&self, span: &Range<usize>, error: &SimulationError) -> Error {
-        let SimulationError::Parameter { name, found, .. } = error;
         let region = self.region(span);
-        let keys = || keys(region, name.strip_suffix("_rad").unwrap_or(name));
-        let exact = keys().find(|(_, value)| value.is_some_and(|value| stands_for(value, *found)));
-        let at = exact.or_else(|| keys().next()).map_or(span.start, |(at, _)| span.start + at);
+        let at = match error {
+            SimulationError::Parameter { name, found, .. } => {
+                let keys = || keys(region, name.strip_suffix("_rad").unwrap_or(name));
+                let exact = keys().find(|(_, value)| value.is_some_and(|value| stands_for(value, *found)));
+                exact.or_else(|| keys().next()).map(|(at, _)| at)
+            }
+            SimulationError::Unknown { found, .. } => region.find(&format!("\"{found}\"")),
+        };
+        let at = at.map_or(span.start, |at| span.start + at);
         self.error(&(at..at), &error.to_string())
     }
 

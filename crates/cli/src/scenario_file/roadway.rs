@@ -50,11 +50,7 @@ impl Scenario {
     /// Puts sensors and fixes on a walk along roadways.
     pub(super) fn roadway_walk(&self, seed: u64) -> Result<Run> {
         let entries = &self.entries;
-        self.strange("gait", entries.gait.as_ref())?;
-        self.strange("heading_deg", entries.heading_deg.as_ref())?;
-        self.strange("legs", entries.legs.as_ref())?;
-        self.strange("tumble", entries.tumble.as_ref())?;
-        self.strange("latitude_deg", entries.latitude_deg.as_ref())?;
+        self.only(&["roadway"])?;
         let spanned = self.needed("roadway", entries.roadway.as_ref())?;
         let entry = spanned.get_ref();
         let refused = |error| self.source.refused(&spanned.span(), &error);

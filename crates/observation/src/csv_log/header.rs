@@ -1,7 +1,8 @@
 //! The header line: which column holds what, in which unit.
 
-use super::fix_columns::FixColumns;
-use super::units::{Gain, Quantity, TIME_UNITS};
+use super::finder::Finder;
+use super::radio_columns::RadioColumns;
+use super::units::{Gain, PRESSURE_UNITS, Quantity, TIME_UNITS};
 use crate::error::{LogError, Place};
 use crate::warning::{LogWarning, Warnings};
 use csv::ByteRecord;
@@ -25,7 +26,8 @@ pub struct Header {
     pub(super) time_exponent: i32,
     /// Columns x, y, z per [`Quantity`], in the order of [`Quantity::ALL`].
     pub(super) triples: [Option<[Column; 3]>; 3],
-    pub(super) fix: Option<FixColumns>,
+    pub(super) pressure: Option<Column>,
+    pub(super) radio: RadioColumns,
 }
 
 impl Header {
@@ -43,12 +45,14 @@ impl Header {
         for (triple, quantity) in triples.iter_mut().zip(Quantity::ALL) {
             *triple = find_triple(quantity, &names, &mut used, place, warnings)?;
         }
-        let fix = FixColumns::find(&names, &mut used, place)?;
+        let mut finder = Finder { names: &names, used: &mut used, place };
+        let pressure = finder.measured("pressure", &PRESSURE_UNITS)?;
+        let radio = RadioColumns::find(&mut finder)?;
         let ignored = || names.iter().zip(&used).filter(|(_, used)| !**used).map(|(name, _)| name.clone());
         if ignored().next().is_some() {
             warnings.push(LogWarning::IgnoredColumns { place: place.clone(), columns: ignored().collect() });
         }
-        Ok(Self { names, time_index, time_exponent, triples, fix })
+        Ok(Self { names, time_index, time_exponent, triples, pressure, radio })
     }
 
     /// Whether all three axes of a quantity are there.
@@ -56,9 +60,14 @@ impl Header {
         self.triples[quantity as usize].is_some()
     }
 
-    /// Whether the log has position fixes.
-    pub fn has_fixes(&self) -> bool {
-        self.fix.is_some()
+    /// Whether the log has a barometer.
+    pub fn has_pressure(&self) -> bool {
+        self.pressure.is_some()
+    }
+
+    /// Whether the log has position fixes, signal strengths, ranges or sightings.
+    pub fn has_radio(&self) -> bool {
+        self.radio.any()
     }
 
     /// Names as written.
@@ -160,6 +169,6 @@ pub(crate) fn missing(missing: Vec<String>, names: &[String], place: &Place) -> 
     LogError::MissingColumn { place: place.clone(), missing, found }
 }
 
-fn duplicate(first: &str, second: &str, place: &Place) -> LogError {
+pub(super) fn duplicate(first: &str, second: &str, place: &Place) -> LogError {
     LogError::DuplicateColumn { place: place.clone(), first: first.to_owned(), second: second.to_owned() }
 }

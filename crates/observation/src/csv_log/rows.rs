@@ -1,18 +1,21 @@
 //! Rows of a sensor log as they stand in the file, also of logs with an accelerometer or a magnetometer alone.
 
 use super::header::{Column, Header};
+use super::radio_columns;
 use super::table::Table;
 use super::units::Quantity;
 use crate::error::{At, LogError};
 use crate::files::Input;
-use crate::fix::PositionFix;
+use crate::names::Names;
+use crate::observation::Observation;
 use crate::warning::Warnings;
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
+use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 
-/// One line of a sensor log, in adit's units.
+/// What the sensors of the tag itself say in one line of a log, in adit's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Time of the reading.
@@ -23,8 +26,23 @@ pub struct Row {
     pub angular_rate_rad_s: Option<Vector3<f64>>,
     /// Magnetic flux density, µT, where the row has it.
     pub field_ut: Option<Vector3<f64>>,
-    /// Position from outside, where the row has it.
-    pub fix: Option<PositionFix>,
+    /// Air pressure, Pa, where the row has it.
+    pub pressure_pa: Option<f64>,
+}
+
+impl Row {
+    /// Nothing said at a time.
+    pub(crate) const fn empty(time: Time) -> Self {
+        Self { time, specific_force_m_s2: None, angular_rate_rad_s: None, field_ut: None, pressure_pa: None }
+    }
+
+    /// Whether any sensor said something.
+    pub(crate) const fn says_something(&self) -> bool {
+        self.specific_force_m_s2.is_some()
+            || self.angular_rate_rad_s.is_some()
+            || self.field_ut.is_some()
+            || self.pressure_pa.is_some()
+    }
 }
 
 /// Reads a sensor log row by row, any sensor missing or not; order and units are not checked here.
@@ -34,6 +52,7 @@ pub struct Row {
 pub struct RowReader {
     table: Table,
     header: Header,
+    names: Names,
 }
 
 impl RowReader {
@@ -41,7 +60,7 @@ impl RowReader {
     pub fn new(input: Input, warnings: &mut Warnings) -> Result<Self, LogError> {
         let (table, names) = Table::new(input, "a header such as time_s,acc_x_m_s2,…")?;
         let header = Header::parse(&names, &table.place(), warnings)?;
-        Ok(Self { table, header })
+        Ok(Self { table, header, names: Names::default() })
     }
 
     /// What the log holds.
@@ -66,12 +85,22 @@ impl RowReader {
                 }
                 _ => None,
             },
-            fix: match &self.header.fix {
-                Some(columns) => columns.read(&self.table, &self.header.names, time)?,
-                None => None,
+            pressure_pa: match &self.header.pressure {
+                Some(column) if !self.table.field(column.index).is_empty() => Some(self.value(column)?),
+                _ => None,
             },
         };
         Ok(Some((row, self.table.at())))
+    }
+
+    /// Appends what other devices say in the line of the row read last.
+    pub(super) fn radio(&mut self, time: Time, into: &mut VecDeque<Observation>) -> Result<(), LogError> {
+        self.header.radio.read(&self.table, &self.header.names, &mut self.names, time, into)
+    }
+
+    /// The observation of the row read last, or the error that says what cannot be right with it.
+    pub(super) fn possible(&self, observation: Observation) -> Result<Observation, LogError> {
+        radio_columns::possible(observation, &self.table)
     }
 
     #[inline]
@@ -83,16 +112,10 @@ impl RowReader {
     #[inline]
     fn value(&self, column: &Column) -> Result<f64, LogError> {
         let value = column.gain.apply(self.table.number(column.index, &self.header.names)?);
-        if value.is_finite() { Ok(value) } else { Err(self.too_large(column)) }
-    }
-
-    #[cold]
-    fn too_large(&self, column: &Column) -> LogError {
-        LogError::NotANumber {
-            place: self.table.place(),
-            column: self.header.names[column.index].clone(),
-            found: crate::error::shown(self.table.field(column.index)),
+        if value.is_finite() {
+            return Ok(value);
         }
+        Err(self.table.not_a_number(column.index, &self.header.names))
     }
 
     /// The file.

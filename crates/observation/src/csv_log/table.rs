@@ -29,7 +29,6 @@ impl Table {
                 .has_headers(false)
                 .flexible(true)
                 .quoting(false)
-                .comment(Some(b'#'))
                 .buffer_capacity(BUFFER)
                 .from_reader(LineLimit::new(reader)),
             record: ByteRecord::new(),
@@ -61,7 +60,17 @@ impl Table {
         Ok(true)
     }
 
+    /// The next line that is no comment. Comments are not left to the csv crate: it gives a record the line of the comment before.
     fn advance(&mut self) -> Result<bool, LogError> {
+        while self.read()? {
+            if !self.record.get(0).is_some_and(|field| field.starts_with(b"#")) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn read(&mut self) -> Result<bool, LogError> {
         match self.reader.read_byte_record(&mut self.record) {
             Ok(more) => {
                 self.line = self.record.position().map_or(self.line, csv::Position::line);
@@ -102,12 +111,24 @@ impl Table {
 
     #[inline]
     pub(crate) fn number(&self, index: usize, names: &[String]) -> Result<f64, LogError> {
+        parse_number(self.field(index)).map_err(|_| self.not_a_number(index, names))
+    }
+
+    /// A number of single precision, rounded once.
+    #[inline]
+    pub(crate) fn single(&self, index: usize, names: &[String]) -> Result<f32, LogError> {
         let field = self.field(index);
-        parse_number(field).map_err(|_| LogError::NotANumber {
+        let number = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f32>().ok());
+        number.filter(|value| value.is_finite()).ok_or_else(|| self.not_a_number(index, names))
+    }
+
+    #[cold]
+    pub(super) fn not_a_number(&self, index: usize, names: &[String]) -> LogError {
+        LogError::NotANumber {
             place: self.place(),
             column: names.get(index).cloned().unwrap_or_default(),
-            found: shown(field),
-        })
+            found: shown(self.field(index)),
+        }
     }
 
     #[inline]

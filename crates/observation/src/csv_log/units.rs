@@ -51,6 +51,23 @@ impl Quantity {
 /// Units of time: the end of the column name and the power of ten of its nanoseconds.
 pub const TIME_UNITS: [(&str, i32); 4] = [("s", 9), ("ms", 6), ("us", 3), ("ns", 0)];
 
+/// Units of air pressure.
+pub const PRESSURE_UNITS: [Unit; 3] = [
+    Unit { suffix: "Pa", gain: Gain::ONE },
+    Unit { suffix: "hPa", gain: Gain { times: 100.0, over: 1.0 } },
+    Unit { suffix: "kPa", gain: Gain { times: 1000.0, over: 1.0 } },
+];
+
+/// Units of a received power.
+pub const POWER_UNITS: [Unit; 1] = [Unit { suffix: "dBm", gain: Gain::ONE }];
+
+/// Units of a range.
+pub const RANGE_UNITS: [Unit; 3] = [
+    Unit { suffix: "m", gain: Gain::ONE },
+    Unit { suffix: "cm", gain: Gain { times: 1.0, over: 100.0 } },
+    Unit { suffix: "mm", gain: Gain { times: 1.0, over: 1000.0 } },
+];
+
 /// A unit: the end of the column name and the way to adit's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
@@ -58,6 +75,14 @@ pub struct Unit {
     pub suffix: &'static str,
     /// Conversion.
     pub gain: Gain,
+}
+
+impl Unit {
+    /// The one of this suffix, as physics writes it or in small letters (`hPa`, `hpa`).
+    pub(super) fn of(units: &[Self], suffix: &str) -> Option<Self> {
+        let same = |unit: &&Self| unit.suffix == suffix || unit.suffix.to_ascii_lowercase() == suffix;
+        units.iter().find(same).copied()
+    }
 }
 
 /// A factor kept as a fraction, so that 45,123 nT is exactly 45.123 µT.

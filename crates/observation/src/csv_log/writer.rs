@@ -1,7 +1,7 @@
+use super::row;
 use crate::error::LogError;
 use crate::files::AtomicFile;
 use crate::files::decimal::ShortSeconds;
-use crate::fix::{HeightFix, PositionFix};
 use crate::imu::{ImuSample, MagneticSample};
 use crate::observation::Observation;
 use adit_core::nalgebra::Vector3;
@@ -18,8 +18,16 @@ pub enum Sensors {
     ImuMagnetic,
     /// Magnetometer alone.
     Magnetic,
+    /// Barometer alone.
+    Pressure,
     /// Position fixes alone, with covariance; without a height these fields are empty.
     Fixes,
+    /// Signal strengths alone.
+    Signals,
+    /// Ranges alone, with how the signal came in; what is not told is empty. Impulse responses have no columns and are left out.
+    Ranges,
+    /// Sightings alone.
+    Sightings,
 }
 
 impl Sensors {
@@ -31,9 +39,17 @@ impl Sensors {
                 "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,mag_x_uT,mag_y_uT,mag_z_uT"
             }
             Self::Magnetic => "time_s,mag_x_uT,mag_y_uT,mag_z_uT",
+            Self::Pressure => "time_s,pressure_Pa",
             Self::Fixes => {
                 "time_s,fix_east_m,fix_north_m,fix_cov_e_e_m2,fix_cov_e_n_m2,fix_cov_n_n_m2,fix_up_m,fix_up_sigma_m,fix_source"
             }
+            Self::Signals => "time_s,transmitter,rssi_dBm,radio",
+            Self::Ranges => {
+                "time_s,anchor_id,tag_id,range_m,range_sigma_m,line_of_sight,radio,rx_power_dBm,first_path_power_dBm,\
+                 first_path_index_tap,peak_index_tap,first_path_amp1,first_path_amp2,first_path_amp3,noise_std,noise_max,\
+                 preamble_count"
+            }
+            Self::Sightings => "time_s,reader",
         }
     }
 }
@@ -43,8 +59,7 @@ impl Sensors {
 ///
 /// Times and values are written as the shortest decimal that reads back the same, so that reading and writing a log
 /// changes nothing. A magnetic reading must share its time with the inertial sample before it
-/// ([`Sensors::ImuMagnetic`]) or have its own file ([`Sensors::Magnetic`]), as position fixes do ([`Sensors::Fixes`]); MCAP
-/// takes any mixture.
+/// ([`Sensors::ImuMagnetic`]) or have its own file ([`Sensors::Magnetic`]), as everything else does; MCAP takes any mixture.
 pub struct CsvLogWriter {
     file: AtomicFile,
     sensors: Sensors,
@@ -61,7 +76,7 @@ impl CsvLogWriter {
         Ok(Self { file, sensors, latest: None, open_row: None })
     }
 
-    /// Writes one observation; times must rise.
+    /// Writes one observation; times of the tag's own sensors must rise, what comes by radio may be late.
     pub fn push(&mut self, observation: &Observation) -> Result<(), LogError> {
         match (observation, self.sensors) {
             (Observation::Imu(sample), Sensors::Imu | Sensors::ImuMagnetic) => self.push_imu(*sample),
@@ -71,7 +86,14 @@ impl CsvLogWriter {
                 write_row(&mut self.file, sample.time, &[&sample.field_ut], false)
                     .map_err(|e| self.file.error(e))
             }
-            (Observation::Fix(fix), Sensors::Fixes) => self.push_fix(fix),
+            (Observation::Pressure(sample), Sensors::Pressure) => {
+                self.check(sample.time, [])?;
+                self.push_row(observation)
+            }
+            (Observation::Fix(_), Sensors::Fixes)
+            | (Observation::Signal(_), Sensors::Signals)
+            | (Observation::Range(_), Sensors::Ranges)
+            | (Observation::Sighting(_), Sensors::Sightings) => self.push_row(observation),
             (other, sensors) => {
                 let (kind, time) = (other.kind(), other.time());
                 Err(self.refuse(format!("{kind:?} at {time} s in a log of {sensors:?}")))
@@ -79,20 +101,15 @@ impl CsvLogWriter {
         }
     }
 
-    fn push_fix(&mut self, fix: &PositionFix) -> Result<(), LogError> {
-        self.check(fix.time, [])?;
-        if let Some((name, found, expected)) = fix.fault() {
-            return Err(self.refuse(format!("fix at {} s: {name} is {found}, expected {expected}", fix.time)));
+    fn push_row(&mut self, observation: &Observation) -> Result<(), LogError> {
+        let (kind, time) = (observation.kind(), observation.time());
+        if let Some((name, found, expected)) = observation.fault() {
+            return Err(self.refuse(format!("{kind:?} at {time} s: {name} is {found}, expected {expected}")));
         }
-        let PositionFix { level_m, covariance_m2: p, source, .. } = fix;
-        let height = match fix.height {
-            Some(HeightFix { up_m, sigma_m }) => format!("{up_m},{sigma_m}"),
-            None => ",".to_owned(),
-        };
-        let (ee, en, nn) = (p[(0, 0)], p[(0, 1)], p[(1, 1)]);
-        let (time, east, north) = (ShortSeconds(fix.time), level_m.x, level_m.y);
-        writeln!(self.file, "{time},{east},{north},{ee},{en},{nn},{height},{}", source.name())
-            .map_err(|e| self.file.error(e))
+        if let Some(name) = row::unwritable_name(observation) {
+            return Err(self.refuse(format!("{kind:?} at {time} s: the name {name} has a comma in it")));
+        }
+        row::write(&mut self.file, observation).map_err(|e| self.file.error(e))
     }
 
     fn push_imu(&mut self, sample: ImuSample) -> Result<(), LogError> {

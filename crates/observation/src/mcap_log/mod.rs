@@ -4,7 +4,11 @@
 //! |---|---|---|
 //! | `/imu` | `adit.v1.ImuSample` | gyro (rad/s) and accelerometer (m/s²) |
 //! | `/magnetic` | `adit.v1.MagneticSample` | magnetometer (µT) |
+//! | `/pressure` | `adit.v1.PressureSample` | barometer (Pa) |
 //! | `/fix` | `adit.v1.PositionFix` | position from outside (m) |
+//! | `/signal` | `adit.v1.SignalStrength` | signal strength of a transmitter (dBm) |
+//! | `/range` | `adit.v1.RangeSample` | distance to an anchor (m), how the signal came in, its impulse response |
+//! | `/sighting` | `adit.v1.Sighting` | seen by a reader |
 //!
 //! The schemas stand in `proto/adit/v1/`; a file carries them as a `FileDescriptorSet`, so that Foxglove and any other
 //! MCAP tool decodes it. Channels are known by schema name, whatever their topic; others are ignored with a
@@ -20,6 +24,8 @@
 //!
 //! Format: <https://mcap.dev/spec>; the state machine is the `mcap` crate's, without I/O.
 
+mod messages;
+mod radio_messages;
 mod reader;
 mod records;
 mod schema;

@@ -1,7 +1,9 @@
+use super::messages::{BadMessage, Messages};
 use super::records::Records;
-use super::schema::{BadMessage, PROTOBUF, decode, schema_name};
+use super::schema::{PROTOBUF, schema_name};
 use crate::error::{At, LogError, shown};
 use crate::files::Input;
+use crate::names::EXPECTED_NAME;
 use crate::observation::{Observation, ObservationKind};
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
@@ -16,6 +18,7 @@ const TOPICS_LISTED: usize = 20;
 /// Observations of an MCAP log; order and units are not checked here (see [`crate::open`]).
 pub struct McapLog {
     records: Records,
+    messages: Messages,
     topics: Vec<String>,
     schemas: HashMap<u16, Option<ObservationKind>>,
     channels: HashMap<u16, Option<ObservationKind>>,
@@ -29,6 +32,7 @@ impl McapLog {
     pub fn new(input: Input, topics: &[String]) -> Self {
         Self {
             records: Records::new(input),
+            messages: Messages::default(),
             topics: topics.to_vec(),
             schemas: HashMap::new(),
             channels: HashMap::new(),
@@ -89,6 +93,9 @@ impl McapLog {
             BadMessage::Unlikely(field, value, expected) => {
                 (field.to_owned(), value.to_string(), expected.to_owned())
             }
+            BadMessage::Name(field, found) => {
+                (field.to_owned(), format!("\"{found}\""), EXPECTED_NAME.to_owned())
+            }
             BadMessage::Time(found) => {
                 ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
             }
@@ -121,7 +128,7 @@ impl LogSource for McapLog {
                 }
                 return Ok(None);
             };
-            match step(opcode, body, &self.channels) {
+            match step(opcode, body, &self.channels, &mut self.messages) {
                 Step::Nothing => {}
                 Step::Declared(declaration) => self.declare(declaration)?,
                 Step::Message(_, Ok(observation)) => return Ok(Some((observation, self.records.at()))),
@@ -139,7 +146,12 @@ impl LogSource for McapLog {
     }
 }
 
-fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<ObservationKind>>) -> Step {
+fn step(
+    opcode: u8,
+    body: &[u8],
+    channels: &HashMap<u16, Option<ObservationKind>>,
+    messages: &mut Messages,
+) -> Step {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
         return Step::Nothing;
     }
@@ -156,7 +168,7 @@ fn step(opcode: u8, body: &[u8], channels: &HashMap<u16, Option<ObservationKind>
             encoding: channel.message_encoding,
         }),
         Ok(Record::Message { header, data }) => match channels.get(&header.channel_id) {
-            Some(Some(kind)) => Step::Message(header.channel_id, decode(*kind, &data)),
+            Some(Some(kind)) => Step::Message(header.channel_id, messages.decode(*kind, &data)),
             Some(None) => Step::Nothing,
             None => Step::Corrupt(format!("message on channel {}, which is not declared", header.channel_id)),
         },

@@ -1,4 +1,5 @@
-use super::schema::{DESCRIPTORS, PROTOBUF, encode, schema_name, topic};
+use super::messages::Messages;
+use super::schema::{DESCRIPTORS, PROTOBUF, schema_name, topic};
 use crate::error::LogError;
 use crate::files::AtomicFile;
 use crate::observation::{Observation, ObservationKind};
@@ -26,6 +27,7 @@ pub struct McapLogWriter {
     writer: Writer<NoSeek<AtomicFile>>,
     target: PathBuf,
     channels: [Option<Channel>; ObservationKind::COUNT],
+    messages: Messages,
     message: Vec<u8>,
 }
 
@@ -50,13 +52,20 @@ impl McapLogWriter {
             .disable_seeking(true)
             .create(NoSeek::new(AtomicFile::create(&target)?))
             .map_err(|e| failed(&target, e))?;
-        Ok(Self { writer, target, channels: [None; ObservationKind::COUNT], message: Vec::new() })
+        let channels = [None; ObservationKind::COUNT];
+        Ok(Self { writer, target, channels, messages: Messages::default(), message: Vec::new() })
     }
 
-    /// Writes one observation.
+    /// Writes one observation; one that could not be read back ([`Observation::fault`]) is refused.
     pub fn push(&mut self, observation: &Observation) -> Result<(), LogError> {
+        if let Some((name, found, expected)) = observation.fault() {
+            let time = observation.time();
+            let what =
+                format!("{:?} at {time} s: {name} is {found}, expected {expected}", observation.kind());
+            return Err(LogError::CannotWrite { file: self.target.clone(), what });
+        }
         self.message.clear();
-        encode(observation, &mut self.message);
+        self.messages.encode(observation, &mut self.message);
         let channel = self.channel(observation.kind())?;
         // MCAP's own clock has no time before its origin; the message carries the exact one.
         let log_time = u64::try_from(observation.time().nanos()).unwrap_or(0);

@@ -219,8 +219,8 @@ impl Sidecar {
                 sample.field_ut = turn(field_ut);
                 Observation::Magnetic(sample)
             }
-            // No reading of the tag: its mounting does not matter.
-            Observation::Fix(fix) => Observation::Fix(fix),
+            // What has no axes: the mounting does not matter.
+            other => other,
         }
     }
 }

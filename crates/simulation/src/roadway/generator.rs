@@ -1,9 +1,9 @@
 //! Samples, fixes and truth of a walk along roadways, in order of time.
 
 use super::walk::{EarthState, RoadwayWalk};
+use crate::emission::Emission;
 use crate::error::{SimulationError, check_within};
 use crate::imu_errors::{ImuErrorModel, ImuErrors};
-use crate::marg::Emission;
 use crate::scenario::TruthState;
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Vector2, Vector3};

@@ -99,16 +99,16 @@ impl Ahrs {
                 }
                 self.latest = Some(imu.time);
             }
-            Observation::Fix(_) => return Ok(None),
             Observation::Magnetic(magnetic) if !magnetic.is_reading() => return Ok(None),
             // Before the first inertial sample there is nothing to hold a field against.
             Observation::Magnetic(_) if self.latest.is_none() => return Ok(None),
             Observation::Magnetic(_) => {}
+            _ => return Ok(None),
         }
         if self.held.is_empty() && self.gap_before(observation).is_none() {
             return self.advance(observation, recorder);
         }
-        self.held.push_back(*observation);
+        self.held.push_back(observation.clone());
         self.work_off(false, recorder)
     }
 
@@ -164,7 +164,7 @@ impl Ahrs {
             match observation {
                 Observation::Imu(imu) => alignment.observe_imu(imu),
                 Observation::Magnetic(magnetic) => alignment.observe_magnetic(magnetic),
-                Observation::Fix(_) => {}
+                _ => {}
             }
         }
         let aligned = alignment.align(self.params.declination_rad).ok_or(MethodError::NoForce)?;
@@ -204,7 +204,6 @@ impl Ahrs {
                 }
                 Ok(None)
             }
-            Observation::Fix(_) => Ok(None),
             Observation::Imu(imu) => {
                 let interval_s = self.time.map_or(0.0, |time| (imu.time - time).seconds());
                 self.time = Some(imu.time);
@@ -220,6 +219,7 @@ impl Ahrs {
                     Err(MethodError::Diverged { time: imu.time })
                 }
             }
+            _ => Ok(None),
         }
     }
 }

@@ -168,11 +168,11 @@ impl FootIns {
         let Self { params, input, filter, report } = self;
         match observation {
             Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
-            Observation::Fix(_) => Ok(None),
             Observation::Magnetic(magnetic) => {
                 input.align_with(magnetic);
                 Ok(None)
             }
+            _ => Ok(None),
         }
     }
 

@@ -24,7 +24,7 @@ pub struct InsWifiReport {
     pub used_fixes: u64,
     /// Of these, outliers whose pull was limited.
     pub bounded_fixes: u64,
-    /// Fixes older than the state: left out.
+    /// Fixes older than the state, or than the first sample: left out.
     pub late_fixes: u64,
     /// Sum of the normalised innovations squared of the used ones that are no outliers (2 degrees of freedom each).
     pub nis_sum: f64,

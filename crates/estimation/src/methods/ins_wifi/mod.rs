@@ -120,7 +120,7 @@ pub struct InsWifi<M: Mechanisation<N>, const N: usize> {
     mechanisation: M,
     covariance: SMatrix<f64, N, N>,
     time: Option<Time>,
-    /// Fixes newer than the state.
+    /// Fixes newer than the state, in order of time.
     held: Vec<PositionFix>,
     report: InsWifiReport,
 }
@@ -171,7 +171,7 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
                 self.take(fix);
                 Ok(None)
             }
-            Observation::Magnetic(_) => Ok(None),
+            _ => Ok(None),
         }
     }
 
@@ -209,6 +209,10 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
                 }
                 self.predict(imu, imu.time);
             }
+        } else {
+            let held = self.held.len();
+            self.held.retain(|fix| fix.time >= imu.time);
+            self.report.late_fixes += (held - self.held.len()) as u64;
         }
         self.time = Some(imu.time);
         self.report.samples += 1;
@@ -222,7 +226,7 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
         }
     }
 
-    /// Uses a fix at once when it is as new as the state, else keeps it until the state is.
+    /// Uses a fix at once when it is as new as the state, leaves it when it is older, keeps a newer one until the state is as new.
     fn take(&mut self, fix: &PositionFix) {
         self.report.fixes += 1;
         if fix.fault().is_some() || !self.params.use_fixes {
@@ -236,7 +240,8 @@ impl<M: Mechanisation<N>, const N: usize> InsWifi<M, N> {
                     self.held.remove(0);
                     self.report.late_fixes += 1;
                 }
-                self.held.push(*fix);
+                let place = self.held.partition_point(|held| held.time <= fix.time);
+                self.held.insert(place, *fix);
             }
         }
     }

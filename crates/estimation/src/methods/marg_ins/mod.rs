@@ -98,7 +98,6 @@ impl MargIns {
         let Self { params, input, filter, report } = self;
         match observation {
             Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
-            Observation::Fix(_) => Ok(None),
             Observation::Magnetic(magnetic) => {
                 let aligning = input.align_with(magnetic);
                 if let (Some(filter), false) = (filter, aligning) {
@@ -106,6 +105,7 @@ impl MargIns {
                 }
                 Ok(None)
             }
+            _ => Ok(None),
         }
     }
 
