@@ -8,7 +8,7 @@
 //! so that blocked links are long because their first path is late, weak or missed. Powers, dBm and dB:
 //!
 //! * free direct path `P_t + G − 20 log₁₀(4πd₀/λ) − 10 n log₁₀(d/d₀) + shadowing`, d₀ = 1 m;
-//! * direct path: less by what blocks it ([`super::screen`]) and by bends and doors ([`super::paths`]);
+//! * direct path: less by what blocks it (module `screen`) and by bends and doors (module `paths`);
 //! * echoes: [`MultipathSpec::echoes_db`](spec::MultipathSpec::echoes_db) over the free direct path, less by bends and doors and by a share of
 //!   what blocks ([`MultipathSpec::blocked_echo_loss`](spec::MultipathSpec::blocked_echo_loss)).
 //!

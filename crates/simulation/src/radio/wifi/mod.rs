@@ -6,8 +6,8 @@
 //! | term | model | source |
 //! |---|---|---|
 //! | mean | `P₁ − 10 n log₁₀ d`, from the breakpoint on with another n; P₁, n, breakpoint by the mine's file, else by [`RssiSpec`], with P₁ = power − free-space loss at 1 m | Hrovat, Kandus & Javornik 2014 (two slopes in tunnels) |
-//! | bends | the less of diffraction at the corner (ITU-R P.526) and `L (1 − cos θ)` per bend | [`super::paths`] |
-//! | bodies, vehicles, pillars | knife edges | [`super::screen`] |
+//! | bends | the less of diffraction at the corner (ITU-R P.526) and `L (1 − cos θ)` per bend | module `paths` |
+//! | bodies, vehicles, pillars | knife edges | module `screen` |
 //! | shadowing | normal in dB, exponential correlation in space, fixed per transmitter and seed | Gudmundson 1991 |
 //! | fading | Rician in sight, Rayleigh round corners and behind obstacles; waves of one wavelength, slow drift | Clarke 1968; Boutin et al. 2008 (Rice and Rayleigh in mines) |
 //! | noise | normal; near a running conveyor a Student t with 3 degrees of freedom on top, falling off with the distance from the belt | ours |
