@@ -161,8 +161,10 @@ impl WaistMotion {
     fn node(&self, time_s: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "floats beyond saturate")]
         let bucket = ((time_s / BUCKET_S).max(0.0) as usize).min(self.index.len().saturating_sub(1));
-        let mut node = self.index.get(bucket).map_or(0, |node| *node as usize);
         let nodes = &self.steps.nodes;
+        // The last bucket may know the last node alone.
+        let mut node =
+            self.index.get(bucket).map_or(0, |node| *node as usize).min(nodes.len().saturating_sub(2));
         while node + 2 < nodes.len() && nodes[node + 1].time_s <= time_s {
             node += 1;
         }

@@ -1,6 +1,6 @@
 //! What stands between an antenna and a tag: people, vehicles, pillars, the wearer.
 //!
-//! Frames: mine grid, m; headings from north, clockwise. Every obstacle becomes a [`Screen`]: people are upright cylinders, vehicles
+//! Frames: mine grid, m; headings from north, clockwise. Every obstacle becomes a screen: people are upright cylinders, vehicles
 //! upright boxes, pillars upright prisms.
 
 use super::screen::{Detour, Screen};

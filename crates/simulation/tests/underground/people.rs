@@ -324,3 +324,28 @@ fn what_is_wrong_is_named() {
     let no_route = Population::new(&mine, &spec, 1).unwrap_err();
     assert!(matches!(no_route, SimulationError::Unknown { name: "route", .. }));
 }
+
+#[test]
+fn who_is_home_stays_there() {
+    let mine = two_level();
+    let population = Population::new(&mine, &shift(12, 1500.0), 4).unwrap();
+    let idle = PersonSpec { errands: Vec::new(), ..errands() };
+    let alone = PopulationSpec { persons: vec![idle], ..PopulationSpec::default() };
+    let idle = Population::new(&mine, &alone, 4).unwrap().person(0).unwrap().unwrap();
+    for person in (0..12).map(|index| population.person(index).unwrap().unwrap()).chain([idle]) {
+        let (waist, foot) = (person.waist(Belt::front()), person.foot(Foot::instep(), true));
+        let end_s = waist.duration_s().max(foot.duration_s());
+        let home = [waist.at(end_s), foot.at(end_s)].map(|state| state.position_m);
+        for late_s in [0.001, 0.4, 1.0, 7.7, 1e4, 1e9] {
+            let later = [waist.at(end_s + late_s), foot.at(end_s + late_s)];
+            assert_eq!(home, later.map(|state| state.position_m));
+            assert!(later.iter().all(|state| state.acceleration_m_s2.norm() == 0.0), "at rest");
+            let off = (person.floor_m(end_s + late_s) - home[0]).xy().norm();
+            assert!(off < 0.5, "{off} m from home");
+        }
+        // Every moment about the end, where the last step is.
+        assert!(
+            (0..400).all(|nth| waist.at(end_s - 2.0 + f64::from(nth) * 0.01).position_m.norm().is_finite())
+        );
+    }
+}
