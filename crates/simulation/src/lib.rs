@@ -15,6 +15,7 @@
 //!
 //! [`radio`] is what radios say in a mine: signal strengths, ranges, channel impulse responses.
 //! [`people`] and [`pressure`] are a mine's: who walks, works and rides where, sensors on them, and the air that they breathe.
+//! [`workforce`] joins them all: the log of everybody in a mine.
 //!
 //! [`roadway`] is a world of its own: a level walk on the rotating ellipsoid, with position fixes.
 //!

@@ -3,7 +3,7 @@
 use super::person::{self, Simulated};
 use super::{beside, told};
 use crate::args::SimulateArgs;
-use crate::output;
+use crate::output::{self, tell};
 use crate::progress::{Progress, Unit};
 use crate::scenario_file::{Everybody, Scenario};
 use adit_core::time::Interval;
@@ -13,6 +13,11 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
+
+/// What a log and its truth take for each inertial sample, with radio beside it, bytes; for a warning.
+const BYTES_PER_SAMPLE: f64 = 110.0;
+/// More than this is worth a word before it begins, GB.
+const LARGE_GB: f64 = 5.0;
 
 /// Simulates the people asked for and says what was made.
 pub fn run(args: &SimulateArgs, scenario: &Scenario, seed: u64) -> Result<()> {
@@ -31,6 +36,13 @@ pub fn run(args: &SimulateArgs, scenario: &Scenario, seed: u64) -> Result<()> {
 
     let duration_s = everybody.workforce.spec().duration_s;
     let samples = duration_s * everybody.workforce.spec().outfit.imu_hz * wanted.clone().count() as f64;
+    let gigabytes = samples * BYTES_PER_SAMPLE / 1e9;
+    if gigabytes > LARGE_GB {
+        let people = wanted.clone().count();
+        tell(&format!(
+            "adit: the logs of {people} people will take about {gigabytes:.0} GB; --people writes some\n"
+        ));
+    }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
