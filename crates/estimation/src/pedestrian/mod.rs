@@ -4,4 +4,5 @@ pub mod gap;
 pub mod heading;
 pub mod stance;
 pub mod stance_updates;
+pub mod steps;
 pub mod zero_velocity;
