@@ -78,6 +78,8 @@ pub enum MethodWarning {
     },
     /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
     NoMagnetometer,
+    /// The body's x axis, which is to point forward, is steep: another axis serves as forward.
+    SteepForward,
     /// The field at the start is not the Earth's, or not that of the reference: the heading is uncertain.
     DisturbedAtStart {
         /// Its norm, µT.
@@ -104,6 +106,9 @@ impl MethodWarning {
             ),
             Self::NoMagnetometer => String::from(
                 "the log has no magnetometer at the start: the sensor's x axis there counts as north",
+            ),
+            Self::SteepForward => String::from(
+                "the sensor's x axis, which is to point forward, is steep: the axis nearest to the horizon counts as forward (the sidecar's mounting can tell)",
             ),
             Self::DisturbedAtStart { norm_ut } => alloc::format!(
                 "the magnetic field at the start, {norm_ut:.1} µT, is not the Earth's: the heading is uncertain until it is"

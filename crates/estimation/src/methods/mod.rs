@@ -29,6 +29,7 @@ mod foot_input;
 pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
+pub mod pdr;
 
 pub use error::{MethodError, MethodWarning};
 
