@@ -78,6 +78,11 @@ pub enum MethodWarning {
     },
     /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
     NoMagnetometer,
+    /// Fix after fix contradicted the path: where it lies and which way it goes was sought anew.
+    PathReopened {
+        /// When it was found out.
+        time: Time,
+    },
     /// The body's x axis, which is to point forward, is steep: another axis serves as forward.
     SteepForward,
     /// The field at the start is not the Earth's, or not that of the reference: the heading is uncertain.
@@ -106,6 +111,9 @@ impl MethodWarning {
             ),
             Self::NoMagnetometer => String::from(
                 "the log has no magnetometer at the start: the sensor's x axis there counts as north",
+            ),
+            Self::PathReopened { time } => alloc::format!(
+                "fix after fix contradicted the path until {time} s: place and direction were sought anew from there (is the sensor's x axis forward?)"
             ),
             Self::SteepForward => String::from(
                 "the sensor's x axis, which is to point forward, is steep: the axis nearest to the horizon counts as forward (the sidecar's mounting can tell)",

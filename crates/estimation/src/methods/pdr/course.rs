@@ -20,8 +20,9 @@ use serde::{Deserialize, Serialize};
 
 /// Intervals remembered: 12.8 s at ten a second, twice the longest that a step can be late.
 const REMEMBERED: usize = 128;
-/// Level part of a unit vector below which it is no direction.
-const STEEP: f64 = 0.5;
+/// Upward part of a unit vector that is too steep to begin with (50°), and of one that has become so (65°).
+const STEEP: f64 = 0.766;
+const TOO_STEEP: f64 = 0.906;
 /// What the direction loses when the tag was turned over, standard deviation, rad.
 pub const TURNED_OVER_RAD: f64 = 0.35;
 /// The principal axis is looked for over this, s.
@@ -90,22 +91,16 @@ impl Course {
     /// Heading of the forward axis over the span; `None` without an attitude.
     pub fn heading(&mut self, from: Time, to: Time) -> Option<Heading> {
         let mean = self.mean_rotation(from, to)?;
-        let levelled = |axis: &Vector3<f64>| (mean * axis).xy();
-        let forward = match self.forward {
-            Some(axis) => axis,
-            None => {
-                let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-                let level = |axis: &Vector3<f64>| levelled(axis).norm_squared();
-                let steep = level(&axes[0]) < STEEP * STEEP;
-                let levellest = axes.into_iter().max_by(|a, b| level(a).total_cmp(&level(b)));
-                if steep { levellest.unwrap_or(axes[0]) } else { axes[0] }
-            }
-        };
+        // Turning shortens the level part of a mean, not the upward one.
+        let steepness = |axis: &Vector3<f64>| (mean * axis).z.abs();
+        let forward = self.forward.unwrap_or_else(|| {
+            let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+            let levellest = axes.iter().min_by(|a, b| steepness(a).total_cmp(&steepness(b)));
+            *levellest.filter(|_| steepness(&axes[0]) > STEEP).unwrap_or(&axes[0])
+        });
         self.forward = Some(forward);
-        let direction = levelled(&forward);
-        // Averaged, the rotations of a body that swings are shorter than one.
-        let swing = mean.norm_squared() / 3.0;
-        let turned_over = direction.norm_squared() < STEEP * STEEP * swing;
+        let direction = mean * forward;
+        let turned_over = steepness(&forward) > TOO_STEEP;
         if turned_over {
             let attitude = self.at(to).map(|leg| leg.attitude)?;
             let level = Vector3::new(libm::sin(self.heading_rad), libm::cos(self.heading_rad), 0.0);

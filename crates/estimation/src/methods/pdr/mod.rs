@@ -42,6 +42,8 @@ use walker::{EAST, FACTOR, Stretch, Walker};
 const NAME: &str = "pdr";
 /// Fixes that may wait for the steps before them; with more, the oldest are dropped.
 const MOST_HELD: usize = 64;
+/// Outliers in a row after which it is the path that is wrong.
+const MOST_OUTLIERS: u32 = 4;
 /// Solutions of somebody who stands.
 const STANDING: Interval = Interval::from_nanos(1_000_000_000);
 
@@ -67,6 +69,8 @@ pub struct Pdr {
     /// Time of the last solution, and of the last fix used.
     told: Option<Time>,
     fixed: Option<Time>,
+    /// Outliers among the fixes, one after the other.
+    outliers: u32,
     /// Fixes newer than the state, in order of time.
     held: VecDeque<PositionFix>,
     due: VecDeque<Solution>,
@@ -100,6 +104,7 @@ impl Pdr {
             velocity_m_s: Vector2::zeros(),
             told: None,
             fixed: None,
+            outliers: 0,
             held: VecDeque::with_capacity(MOST_HELD),
             due: VecDeque::with_capacity(MOST_HELD),
             report: PdrReport::default(),
@@ -133,7 +138,7 @@ impl Pdr {
             while self.attitude.finish_next_with(&mut self.course)?.is_some() {}
             self.detector.end();
             self.settle()?;
-            self.stand(latest);
+            self.stand(latest)?;
             if self.told < self.latest {
                 self.tell(latest)?;
             }
@@ -201,7 +206,7 @@ impl Pdr {
             && !self.detector.is_walking()
         {
             self.velocity_m_s = Vector2::zeros();
-            self.stand(settled);
+            self.stand(settled)?;
         }
         Ok(())
     }
@@ -209,7 +214,7 @@ impl Pdr {
     /// One step: stand until it begins, then walk it, with the fixes on the way.
     fn step(&mut self, step: &Step) -> Result<(), MethodError> {
         let period = Interval::from_seconds(step.period_s).unwrap_or_default();
-        self.stand(step.time - period);
+        self.stand(step.time - period)?;
         let begin = self.time.unwrap_or(step.time);
         let heading_rad = self.direct(begin, step);
         let noise = &self.params.noise;
@@ -227,6 +232,7 @@ impl Pdr {
             self.walk(&Stretch { part: (until - walked).max(0.0), ..stretch });
             walked = until.max(walked);
             self.correct(&fix);
+            self.tell(fix.time)?;
         }
         self.walk(&Stretch { part: (1.0 - walked).max(0.0), ..stretch });
         self.time = Some(step.time.max(begin));
@@ -300,7 +306,7 @@ impl Pdr {
     }
 
     /// Nobody walks until then.
-    fn stand(&mut self, until: Time) {
+    fn stand(&mut self, until: Time) -> Result<(), MethodError> {
         while let Some(time) = self.time.filter(|time| *time < until) {
             let fix = self.next_held(until);
             let tick = self.told.map_or(until, |told| told + STANDING);
@@ -309,15 +315,20 @@ impl Pdr {
             let drift = Matrix2::identity() * (sigma * sigma * (target - time).seconds());
             self.walker.spread(&drift);
             self.time = Some(target);
+            let mut due = target >= tick;
             match fix {
-                Some(fix) if fix.time <= target => self.correct(&fix),
+                Some(fix) if fix.time <= target => {
+                    self.correct(&fix);
+                    due = true;
+                }
                 Some(fix) => self.held.push_front(fix),
                 None => {}
             }
-            if target >= tick && self.tell(target).is_err() {
-                return;
+            if due {
+                self.tell(target)?;
             }
         }
+        Ok(())
     }
 
     /// The oldest fix held that is not newer than `time`.
@@ -342,9 +353,8 @@ impl Pdr {
         if !self.placed {
             let own_north = !self.report.magnetic_heading;
             if own_north || self.walker.direction_variance() > FOUND_RAD * FOUND_RAD {
-                let mut search = Search::default();
+                let search = self.search.get_or_insert_default();
                 search.observe(fix, &self.walker.position_m);
-                self.search = Some(search);
             } else {
                 self.walker.place(fix);
                 self.placed = true;
@@ -353,8 +363,14 @@ impl Pdr {
             return;
         }
         let bound = self.params.fixes.nis_bound;
-        if let Some(update) = self.walker.correct(fix, bound) {
-            self.report.note_fix(update.nis, bound);
+        let Some(update) = self.walker.correct(fix, bound) else { return };
+        self.report.note_fix(update.nis, bound);
+        self.outliers = if update.nis > bound { self.outliers + 1 } else { 0 };
+        if self.outliers == MOST_OUTLIERS {
+            // Not the fixes are wrong, but what the walk was taken for.
+            self.outliers = 0;
+            self.search = Some(Search::default());
+            self.report.warn(MethodWarning::PathReopened { time: fix.time });
         }
     }
 
@@ -362,7 +378,7 @@ impl Pdr {
     fn bridge(&mut self, before: Time, time: Time, length_s: f64) -> Result<(), MethodError> {
         self.detector.end();
         self.settle()?;
-        self.stand(before);
+        self.stand(before)?;
         self.report.warn(MethodWarning::Gap { time, length_s });
         let distance_m = self.params.noise.gap_speed_m_s * length_s;
         self.walker.spread(&(Matrix2::identity() * (distance_m * distance_m)));
@@ -377,7 +393,7 @@ impl Pdr {
         if self.told.is_some_and(|told| time <= told) {
             return Ok(());
         }
-        let placed = self.search.as_ref().map(|search| search.place(&self.walker));
+        let placed = self.search.as_ref().filter(|search| !search.is_empty()).map(|search| search.place(&self.walker));
         let walker = placed.as_ref().unwrap_or(&self.walker);
         if !walker.is_finite() {
             return Err(MethodError::Diverged { time });

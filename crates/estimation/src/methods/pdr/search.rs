@@ -48,7 +48,7 @@ impl Search {
         self.variance_sum += 0.5 * fix.covariance_m2.trace();
     }
 
-    /// Fixes so far.
+    /// True before the first fix.
     pub fn is_empty(&self) -> bool {
         self.count < 1.0
     }
