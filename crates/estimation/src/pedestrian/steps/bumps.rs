@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Bins that the smoothing looks ahead and back.
 pub const REACH: usize = 10;
 const TAPS: usize = 2 * REACH + 1;
+/// A dip of less than this share of the rise before it does not part a bump in two.
+const DIP: f64 = 0.25;
 /// Least width, s: three bins have weight.
 const LEAST_WIDTH_S: f64 = 0.16;
 
@@ -129,7 +131,7 @@ impl Bumps {
                 if time - since <= BIN {
                     self.shoulders[1] = value;
                 }
-                if value < extreme - hysteresis {
+                if value < extreme - hysteresis.max(DIP * (extreme - self.trough)) {
                     self.side = Side::Falling;
                     self.top = (self.summit(), extreme);
                     self.extreme = (time, value);

@@ -29,6 +29,9 @@ const GO_ON: usize = 2;
 /// Steps over which the time of a step, and the height of a bump, are averaged.
 const PERIOD_GAIN: f64 = 0.2;
 const HEIGHT_GAIN: f64 = 0.2;
+/// A walk whose times of a step differ by this share from one stride to the next is none.
+const UNSTEADY: f64 = 0.3;
+const UNSTEADY_GAIN: f64 = 0.25;
 /// One step changes the time of a step by no more than this deviation allows.
 const LARGEST_CHANGE: (f64, f64) = (0.7, 1.4);
 /// A pause of this share of a step is no step.
@@ -55,6 +58,9 @@ struct Walk {
     held: Vec<Bump>,
     /// The last step told.
     told: Option<Time>,
+    /// The last two times of a step, s, and how much, as a share, such a time differs from that of the same foot before.
+    periods_s: [f64; 2],
+    unsteady: f64,
 }
 
 /// Rhythm of one walker.
@@ -101,7 +107,12 @@ impl Gait {
                     self.state = State::Walk(walk);
                 }
             }
-            State::Walk(walk) => walk.observe(params, bump, due),
+            State::Walk(walk) => {
+                walk.observe(params, bump, due);
+                if walk.unsteady > UNSTEADY {
+                    self.end(params, due);
+                }
+            }
         }
     }
 
@@ -163,6 +174,9 @@ impl Walk {
                 let (least, most) = LARGEST_CHANGE;
                 let period_s = since_s.clamp(least * self.period_s, most * self.period_s);
                 self.period_s += PERIOD_GAIN * (period_s - self.period_s);
+                let change = libm::fabs(libm::log(since_s / self.periods_s[0]));
+                self.unsteady += UNSTEADY_GAIN * (change - self.unsteady);
+                self.periods_s = [self.periods_s[1], since_s];
                 self.certain(bump);
                 return;
             }
@@ -255,6 +269,8 @@ fn begin(
         last: (last.time, last.height_m_s2()),
         held: Vec::new(),
         told,
+        periods_s: [seconds(rhythm[2].time, rhythm[3].time), seconds(rhythm[3].time, last.time)],
+        unsteady: 0.0,
     };
     let (early_s, late_s) = (params.early * walk.period_s, params.late * walk.period_s);
     let before = bumps.iter().take(start).rev().find(|bump| seconds(bump.time, first.time) >= early_s);
