@@ -42,6 +42,8 @@ use walker::{EAST, FACTOR, Stretch, Walker};
 const NAME: &str = "pdr";
 /// Fixes that may wait for the steps before them; with more, the oldest are dropped.
 const MOST_HELD: usize = 64;
+/// A field is looked at no more often: what it is off by lasts for seconds.
+const FIELD: Interval = Interval::from_nanos(39_000_000);
 /// Outliers in a row after which it is the path that is wrong.
 const MOST_OUTLIERS: u32 = 4;
 /// Solutions of somebody who stands.
@@ -63,6 +65,8 @@ pub struct Pdr {
     directed: bool,
     /// Time of the last inertial sample.
     latest: Option<Time>,
+    /// Time of the last magnetic sample used.
+    field: Option<Time>,
     /// Time of the state.
     time: Option<Time>,
     velocity_m_s: Vector2<f64>,
@@ -100,6 +104,7 @@ impl Pdr {
             placed: params.start.is_some(),
             directed: false,
             latest: None,
+            field: None,
             time: None,
             velocity_m_s: Vector2::zeros(),
             told: None,
@@ -117,8 +122,11 @@ impl Pdr {
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
         match observation {
             Observation::Imu(imu) => self.inertial(observation, imu)?,
-            Observation::Magnetic(_) => {
-                self.attitude.observe_with(observation, &mut self.course)?;
+            Observation::Magnetic(magnetic) => {
+                if self.field.is_none_or(|before| magnetic.time - before >= FIELD || magnetic.time < before) {
+                    self.field = Some(magnetic.time);
+                    self.attitude.observe_with(observation, &mut self.course)?;
+                }
             }
             Observation::Fix(fix) => self.take(fix),
             _ => {}

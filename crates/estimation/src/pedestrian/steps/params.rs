@@ -89,7 +89,7 @@ impl Default for StepParams {
             weak_share: 0.2,
             early: 0.5,
             late: 1.65,
-            patience: 4.0,
+            patience: 4.5,
             first_share: 0.05,
             last_share: 0.1,
             zero_crossing: ZeroCrossingParams::default(),
