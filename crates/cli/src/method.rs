@@ -118,6 +118,7 @@ fn known(sidecar: &Sidecar) -> Known {
         field: reference_field(sidecar),
         site: sidecar.site,
         start: sidecar.start,
+        mounted: sidecar.mounting.rotation.is_some(),
     }
 }
 

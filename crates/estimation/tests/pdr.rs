@@ -41,7 +41,11 @@ fn run(params: PdrParams, log: &[Observation]) -> (Vec<Solution>, Pdr) {
 
 /// Steps of exactly this length.
 fn known_length(walk: &Strides) -> PdrParams {
-    PdrParams { length: StepLength::Constant { length_m: walk.step_m }, ..PdrParams::default() }
+    PdrParams {
+        length: StepLength::Constant { length_m: walk.step_m },
+        direction: Direction::Mounted,
+        ..PdrParams::default()
+    }
 }
 
 fn true_at(truth: &[(Time, Vector2<f64>)], time: Time) -> Vector2<f64> {
@@ -133,7 +137,7 @@ fn fixes_tell_the_length_of_the_steps_and_the_way_the_tag_is_held() {
         let (log, truth) = walk.record(seed);
         let fixes = fixes(&truth, 500, 1.0, seed);
         let length = StepLength::Constant { length_m: walk.step_m / 1.2 };
-        let params = PdrParams { length, direction: Direction::Held, ..PdrParams::default() };
+        let params = PdrParams { length, ..PdrParams::default() };
         let (solutions, method) = run(params, &merged(&log, &fixes));
         let walker = method.walker();
         let sigma = walker.covariance[(FACTOR, FACTOR)].sqrt();

@@ -78,6 +78,8 @@ pub enum MethodWarning {
     },
     /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
     NoMagnetometer,
+    /// Nobody declared how the tag is mounted: which way its wearer goes is unknown until fixes tell.
+    ForwardUnknown,
     /// Fix after fix contradicted the path: where it lies and which way it goes was sought anew.
     PathReopened {
         /// When it was found out.
@@ -111,6 +113,9 @@ impl MethodWarning {
             ),
             Self::NoMagnetometer => String::from(
                 "the log has no magnetometer at the start: the sensor's x axis there counts as north",
+            ),
+            Self::ForwardUnknown => String::from(
+                "no mounting is declared: the sensor's x axis counts as forward, and the path is turned by an unknown angle until fixes tell",
             ),
             Self::PathReopened { time } => alloc::format!(
                 "fix after fix contradicted the path until {time} s: place and direction were sought anew from there (is the sensor's x axis forward?)"

@@ -65,6 +65,8 @@ pub struct Known {
     pub site: Option<Site>,
     /// Pose at the first inertial sample.
     pub start: Option<StartPose>,
+    /// The body's axes are those of the wearer (x forward, y left, z up): somebody declared how the tag is mounted.
+    pub mounted: bool,
 }
 
 /// A method at work: observations in, solutions out, in bounded memory.

@@ -18,7 +18,7 @@ use adit_core::time::{Interval, Time};
 use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
-/// Intervals remembered: 12.8 s at ten a second, twice the longest that a step can be late.
+/// Intervals remembered: 25 s at five a second, four times the longest that a step can be late.
 const REMEMBERED: usize = 128;
 /// Upward part of a unit vector that is too steep to begin with (50°), and of one that has become so (65°).
 const STEEP: f64 = 0.766;

@@ -1,7 +1,7 @@
 //! `pdr` as one of the methods, and what it says of a run.
 
 use super::walker::{FACTOR, OFFSET, Walker};
-use super::{NAME, Pdr, PdrParams};
+use super::{Direction, NAME, Pdr, PdrParams};
 use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis};
 use crate::pedestrian::steps::Step;
 use adit_core::solution::Solution;
@@ -112,6 +112,9 @@ impl MethodSettings for PdrParams {
     fn knowing(mut self, known: &Known) -> Self {
         self.attitude = self.attitude.knowing(known);
         self.start = known.start.or(self.start);
+        if known.mounted {
+            self.direction = Direction::Mounted;
+        }
         self
     }
 

@@ -297,6 +297,9 @@ impl Pdr {
             self.report.warn(MethodWarning::SteepForward);
         }
         if magnetic {
+            if self.params.direction != Direction::Mounted {
+                self.report.warn(MethodWarning::ForwardUnknown);
+            }
             return;
         }
         if let Some(start) = &self.params.start {

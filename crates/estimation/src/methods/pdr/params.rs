@@ -11,17 +11,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
-    /// The body's x axis points forward, as a tag at the waist is mounted.
-    #[default]
+    /// The body's x axis points forward: the sidecar of the log declares how the tag is mounted.
     Mounted,
     /// The tag is held somehow, but held the same: what is between its x axis and forward is unknown and constant; fixes tell.
+    #[default]
     Held,
     /// As `held`, and forward lies along the axis in which the specific force varies the most; backward is not told from it.
     PrincipalAxis,
 }
 
 /// Settings of [`super::Pdr`].
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PdrParams {
     /// The attitude estimator.
@@ -79,6 +79,21 @@ pub struct FixParams {
     pub nis_bound: f64,
     /// Time after the last fix for which a position counts as held by it, s.
     pub hold_s: f64,
+}
+
+impl Default for PdrParams {
+    fn default() -> Self {
+        Self {
+            // A correction costs as much as forty samples, and a step lasts half a second.
+            attitude: AttitudeParams { interval_s: 0.2, ..AttitudeParams::default() },
+            steps: StepParams::default(),
+            length: StepLength::default(),
+            direction: Direction::default(),
+            start: None,
+            noise: PdrNoise::default(),
+            fixes: FixParams::default(),
+        }
+    }
 }
 
 impl Default for PdrNoise {
