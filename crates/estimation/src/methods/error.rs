@@ -78,6 +78,8 @@ pub enum MethodWarning {
     },
     /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
     NoMagnetometer,
+    /// The log has an accelerometer alone: steps can be counted, but nothing is known of their direction.
+    NoGyro,
     /// Nobody declared how the tag is mounted: which way its wearer goes is unknown until fixes tell.
     ForwardUnknown,
     /// Fix after fix contradicted the path: where it lies and which way it goes was sought anew.
@@ -113,6 +115,9 @@ impl MethodWarning {
             ),
             Self::NoMagnetometer => String::from(
                 "the log has no magnetometer at the start: the sensor's x axis there counts as north",
+            ),
+            Self::NoGyro => String::from(
+                "the log has no gyro: steps and distance are estimated, but the path goes straight along the heading of the start",
             ),
             Self::ForwardUnknown => String::from(
                 "no mounting is declared: the sensor's x axis counts as forward, and the path is turned by an unknown angle until fixes tell",

@@ -116,6 +116,11 @@ impl Ahrs {
         self.work_off(false, recorder)
     }
 
+    /// True after the first inertial sample.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.latest.is_some()
+    }
+
     /// [`Self::next_due`] in the same way.
     #[inline]
     pub(crate) fn next_due_with(

@@ -38,6 +38,8 @@ pub struct PdrReport {
     pub offset_sigma_deg: f64,
     /// True when the heading came from the magnetometer.
     pub magnetic_heading: bool,
+    /// True when the log has an accelerometer without a gyro: no direction is known.
+    pub no_gyro: bool,
     /// Times that the tag was turned over on the way.
     pub turned_over: u64,
     /// Fixes in the log.

@@ -31,7 +31,7 @@ use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
 use adit_core::time::{Interval, Time};
-use adit_observation::{ImuSample, Observation, PositionFix};
+use adit_observation::{AccelerationSample, ImuSample, Observation, PositionFix};
 use alloc::collections::VecDeque;
 use course::{Course, TURNED_OVER_RAD};
 use search::{FOUND_RAD, Search, UNKNOWN_RAD};
@@ -122,6 +122,7 @@ impl Pdr {
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
         match observation {
             Observation::Imu(imu) => self.inertial(observation, imu)?,
+            Observation::Acceleration(sample) => self.acceleration(sample)?,
             Observation::Magnetic(magnetic) => {
                 if self.field.is_none_or(|before| magnetic.time - before >= FIELD || magnetic.time < before) {
                     self.field = Some(magnetic.time);
@@ -143,7 +144,9 @@ impl Pdr {
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         let Some(latest) = self.latest else { return Err(MethodError::Empty) };
         if self.time < self.latest {
-            while self.attitude.finish_next_with(&mut self.course)?.is_some() {}
+            if self.attitude.has_begun() {
+                while self.attitude.finish_next_with(&mut self.course)?.is_some() {}
+            }
             self.detector.end();
             self.settle()?;
             self.stand(latest)?;
@@ -170,21 +173,44 @@ impl Pdr {
         while done.is_some() {
             done = self.attitude.next_due_with(&mut self.course)?;
         }
-        let before = self.latest.replace(imu.time);
+        self.force(imu.time, &imu.specific_force_m_s2)
+    }
+
+    /// A sample without a gyro: steps, but no direction.
+    fn acceleration(&mut self, sample: &AccelerationSample) -> Result<(), MethodError> {
+        let AccelerationSample { time, specific_force_m_s2 } = *sample;
+        if !sample.is_reading() {
+            return Err(MethodError::NoReading { time });
+        }
+        if let Some(before) = self.latest
+            && time <= before
+        {
+            return Err(MethodError::TimeNotRising { found: time, before });
+        }
+        if !self.report.no_gyro {
+            self.report.no_gyro = true;
+            self.report.warn(MethodWarning::NoGyro);
+        }
+        self.force(time, &specific_force_m_s2)
+    }
+
+    /// What gyro or not, the accelerometer says: steps.
+    #[inline]
+    fn force(&mut self, time: Time, specific_force_m_s2: &Vector3<f64>) -> Result<(), MethodError> {
         self.report.samples += 1;
-        match before {
+        match self.latest.replace(time) {
             None => {
-                self.time = Some(imu.time);
-                self.tell(imu.time)?;
+                self.time = Some(time);
+                self.tell(time)?;
             }
             Some(before) => {
-                let length_s = (imu.time - before).seconds();
+                let length_s = (time - before).seconds();
                 if length_s > self.params.steps.gap_s {
-                    self.bridge(before, imu.time, length_s)?;
+                    self.bridge(before, time, length_s)?;
                 }
             }
         }
-        if self.detector.observe(imu.time, &imu.specific_force_m_s2) { self.settle() } else { Ok(()) }
+        if self.detector.observe(time, specific_force_m_s2) { self.settle() } else { Ok(()) }
     }
 
     /// Keeps a fix until the state has come to its time.
