@@ -18,7 +18,7 @@ const LENGTH_S: f64 = 20.0;
 const CADENCE_HZ: f64 = 1.8;
 const WALK_S: f64 = 4.0;
 const STEPS: f64 = 24.0;
-const WEAK_STEPS: std::ops::Range<f64> = 11.0..14.0;
+const WEAK_STEPS: std::ops::Range<f64> = 11.0..15.0;
 /// Bumps of the hand: time, s, and height, m/s².
 const FUMBLES: [(f64, f64); 5] = [(0.6, 6.0), (0.85, 3.0), (1.5, 8.0), (2.1, 2.5), (2.35, 5.0)];
 /// Where the steps are drawn, m/s².

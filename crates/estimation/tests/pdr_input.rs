@@ -41,7 +41,7 @@ fn numbers_that_are_none_and_time_that_runs_backwards_are_errors() {
         let time = sample.time;
         let expected = if spoil == 0 {
             sample.specific_force_m_s2.x = f64::NAN;
-            MethodError::NotFinite { time }
+            MethodError::NoReading { time }
         } else {
             let before = time - Interval::from_nanos(10_000_000);
             sample.time = before;

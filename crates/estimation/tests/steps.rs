@@ -87,16 +87,16 @@ fn two_peaks_a_step_are_one_step() {
 
 #[test]
 fn weak_steps_within_a_walk_are_told_by_its_rhythm() {
-    // A U-turn: for 3 of 30 steps the body hardly rises.
+    // A U-turn: for 4 of 30 steps the body hardly rises.
     let signal = |t: f64| {
         let phase = (t - 3.0) * 1.8;
         let walks = (0.0..30.0).contains(&phase);
-        let weak = (14.0..17.0).contains(&phase);
+        let weak = (14.0..18.0).contains(&phase);
         let amplitude = if weak { 0.25 } else { 2.5 };
         GRAVITY_M_S2 - if walks { amplitude * (TAU * phase).cos() } else { 0.0 }
     };
     let found = steps(&norm(24.0, 100.0, signal));
-    // One of the three is taken for the pause that a turn is.
+    // One of the four is taken for the pause that a turn is.
     assert!((29..=30).contains(&found.len()), "{}", found.len());
     assert!(found.iter().any(|step| !step.seen));
 }
@@ -140,7 +140,7 @@ fn of_steady_fidgeting_most_is_no_walk() {
         .collect();
     let (ours, crossings) = (steps(&samples).len(), steps_with(&crossing(), &samples).len());
     // Bumps that come by chance in the rhythm of steps for some seconds remain.
-    assert!(ours * 4 < crossings, "{ours} against {crossings}");
+    assert!(ours * 3 < crossings, "{ours} against {crossings}");
 }
 
 fn crossing() -> StepParams {
