@@ -11,8 +11,12 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// What is run: hours, people written, what is told of a range.
-const RUNS: [(f64, &str, &str); 4] =
-    [(1.0, "1", "diagnostics"), (8.0, "1", "diagnostics"), (8.0, "121", "diagnostics"), (1.0, "1", "impulse-response")];
+const RUNS: [(f64, &str, &str); 4] = [
+    (1.0, "1", "diagnostics"),
+    (8.0, "1", "diagnostics"),
+    (8.0, "121", "diagnostics"),
+    (1.0, "1", "impulse-response"),
+];
 
 struct Measured {
     took_s: f64,
@@ -23,7 +27,9 @@ struct Measured {
 
 fn main() -> Result<()> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [adit, shift, out] = arguments.as_slice() else { bail!("usage: shift_results ADIT SHIFT.toml OUT.md") };
+    let [adit, shift, out] = arguments.as_slice() else {
+        bail!("usage: shift_results ADIT SHIFT.toml OUT.md")
+    };
     let text = fs::read_to_string(shift).with_context(|| shift.display().to_string())?;
     let mines = shift.canonicalize()?.parent().and_then(Path::parent).context("a folder")?.join("mines");
     let mut table = "| hours | person | of a range | samples and the rest | time, s | × real time | log, MiB | peak memory, MiB |\n\
@@ -33,7 +39,11 @@ fn main() -> Result<()> {
         let folder = TempDir::new()?;
         let scenario = folder.path().join("shift.toml");
         let changed = replaced(&text, "../mines", mines.to_str().context("a path that is text")?)?;
-        let changed = replaced(&changed, "duration_s = 28800.0\n# Poses", &format!("duration_s = {}\n# Poses", hours * 3600.0))?;
+        let changed = replaced(
+            &changed,
+            "duration_s = 28800.0\n# Poses",
+            &format!("duration_s = {}\n# Poses", hours * 3600.0),
+        )?;
         fs::write(&scenario, replaced(&changed, "\"diagnostics\"", &format!("\"{detail}\""))?)?;
         let Measured { took_s, peak_mib, log_mib, told } = measure(adit, &scenario, person, folder.path())?;
         let speed = hours * 3600.0 / took_s;
@@ -54,7 +64,14 @@ fn measure(adit: &Path, scenario: &Path, person: &str, folder: &Path) -> Result<
     let out = folder.join("out");
     let begun = Instant::now();
     let mut running = Command::new(adit)
-        .args(["simulate".as_ref(), scenario, "-o".as_ref(), out.as_path(), "--people".as_ref(), person.as_ref()])
+        .args([
+            "simulate".as_ref(),
+            scenario,
+            "-o".as_ref(),
+            out.as_path(),
+            "--people".as_ref(),
+            person.as_ref(),
+        ])
         .env("RAYON_NUM_THREADS", "1")
         .stdout(Stdio::piped())
         .spawn()

@@ -18,7 +18,7 @@ const LENGTH_S: f64 = 20.0;
 const CADENCE_HZ: f64 = 1.8;
 const WALK_S: f64 = 4.0;
 const STEPS: f64 = 24.0;
-const WEAK_STEPS: std::ops::Range<f64> = 11.0..15.0;
+const WEAK_STEPS: std::ops::Range<f64> = 11.0..14.0;
 /// Bumps of the hand: time, s, and height, m/s².
 const FUMBLES: [(f64, f64); 5] = [(0.6, 6.0), (0.85, 3.0), (1.5, 8.0), (2.1, 2.5), (2.35, 5.0)];
 /// Where the steps are drawn, m/s².
@@ -32,7 +32,7 @@ fn norm_m_s2(time_s: f64) -> f64 {
     if !(0.0..STEPS).contains(&phase) {
         return fumble;
     }
-    let loud = if WEAK_STEPS.contains(&phase) { 0.06 } else { 1.0 };
+    let loud = if WEAK_STEPS.contains(&phase) { 0.15 } else { 1.0 };
     loud * (-2.5 * (TAU * phase).cos() - 2.2 * (2.0 * TAU * phase).cos())
 }
 
@@ -41,19 +41,19 @@ fn main() -> Result<()> {
     let params = StepParams::default();
     let mut detector = StepDetector::new(&params);
     let (mut norm, mut steps) = (Vec::new(), Vec::new());
-    for index in 0..(LENGTH_S * RATE_HZ) as u32 {
-        let time_s = f64::from(index) / RATE_HZ;
+    let times = (0..).map(|index| f64::from(index) / RATE_HZ);
+    for time_s in times.take_while(|time_s| *time_s < LENGTH_S) {
         let force = GRAVITY_M_S2 + norm_m_s2(time_s);
         norm.push((time_s, force - GRAVITY_M_S2));
         detector.observe(Time::from_seconds(time_s).context("time")?, &(Vector3::z() * force));
     }
     detector.end();
     while let Some(step) = detector.pop() {
-        let (time_s, height) = (step.time.seconds(), if step.seen { 1.6 } else { 0.8 });
-        steps.extend([(time_s - 0.01, 0.0), (time_s, height), (time_s + 0.01, 0.0)]);
+        let time_s = step.time.seconds();
+        steps.extend([(time_s - 0.01, BASE_M_S2), (time_s, BASE_M_S2 + 1.5), (time_s + 0.01, BASE_M_S2)]);
     }
     let mut ticks = vec![(0.0, BASE_M_S2)];
-    ticks.extend(steps.iter().map(|(time_s, height)| (*time_s, BASE_M_S2 + height)));
+    ticks.append(&mut steps);
     ticks.push((LENGTH_S, BASE_M_S2));
 
     // As on a walk: as wide as a step lasts.
@@ -66,7 +66,7 @@ fn main() -> Result<()> {
     let curves = [
         TimeCurve { label: "‖f‖ − g".into(), points: norm.clone() },
         TimeCurve { label: "smoothed".into(), points: smooth.collect() },
-        TimeCurve { label: "steps (low: told by the rhythm)".into(), points: ticks },
+        TimeCurve { label: "steps".into(), points: ticks },
     ];
     let figure = time_figure(&curves, "A fumble, two peaks a step, a turn about", "m/s²")?;
     std::fs::write(&out, figure).with_context(|| out.clone())

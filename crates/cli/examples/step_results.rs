@@ -101,7 +101,8 @@ fn rows(path: &Path) -> Result<Vec<BTreeMap<String, String>>> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let row = |line: &str| names.iter().map(ToString::to_string).zip(line.split(',').map(str::to_owned)).collect();
+    let row =
+        |line: &str| names.iter().map(ToString::to_string).zip(line.split(',').map(str::to_owned)).collect();
     Ok(lines.map(row).collect())
 }
 
@@ -175,7 +176,10 @@ fn by_person(bench: &Bench, folder: &Path) -> Result<String> {
         persons.entry(r.group.parse()?).or_default().push(r);
     }
     let mut out = String::from("`gait-lowback`, a tag on the lower back, 10 m out, turn, 10 m back:\n\n");
-    writeln!(out, "| person | runs | steps a run | `gait`: error, bias | `zero-crossing`: error, bias | way, m (about 20) |")?;
+    writeln!(
+        out,
+        "| person | runs | steps a run | `gait`: error, bias | `zero-crossing`: error, bias | way, m (about 20) |"
+    )?;
     writeln!(out, "|---|---:|---:|---:|---:|---:|")?;
     let cells = |runs: &[&Recording]| {
         let over = |of: &dyn Fn(&Recording) -> f64| mean(runs.iter().map(|r| of(r)));
@@ -197,6 +201,9 @@ fn by_person(bench: &Bench, folder: &Path) -> Result<String> {
     writeln!(out, "| **all** | {} |\n", cells(&every))?;
     let share = |r: &&&Recording| (r.gait.distance_m / OUT_AND_BACK_M - 1.0).abs();
     let off = 100.0 * mean(every.iter().map(|r| share(&r)));
-    writeln!(out, "The way differs from 20 m by {off:.1} % in the mean; the turn itself, about 0.5 m, is not counted in these.")?;
+    writeln!(
+        out,
+        "The way differs from 20 m by {off:.1} % in the mean; what the turn itself adds is not taken out."
+    )?;
     Ok(out)
 }

@@ -87,9 +87,10 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (Self::Pdr, Some(Location::Foot)) => {
-                Some(format!("the sidecar puts the sensor on the foot, {} expects it above the knee", self.name()))
-            }
+            (Self::Pdr, Some(Location::Foot)) => Some(format!(
+                "the sidecar puts the sensor on the foot, {} expects it above the knee",
+                self.name()
+            )),
             (_, None | Some(Location::Foot))
             | (Self::Pdr | Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {

@@ -109,7 +109,12 @@ fn a_tag_mounted_any_way_walks_the_same_path() {
         let (log, _) = walk.record(1);
         let (leaning, _) = run(known_length(&walk), &log);
         let (a, b) = (upright.last().unwrap(), leaning.last().unwrap());
-        assert!((a.position_m - b.position_m).norm() < 3.0, "{lean:?}: {:?} {:?}", a.position_m, b.position_m);
+        assert!(
+            (a.position_m - b.position_m).norm() < 3.0,
+            "{lean:?}: {:?} {:?}",
+            a.position_m,
+            b.position_m
+        );
     }
 }
 
@@ -179,7 +184,8 @@ fn the_covariance_of_the_filter_is_that_of_its_model() {
             let kept = (-0.5 / noise.magnetic_time_s).exp();
             error = error * kept + 0.05 * (1.0 - kept * kept).sqrt() * draws.normal();
             let (share_sigma, direction_rad) = (noise.step_share, noise.step_direction_rad);
-            walker.walk(&noise, &Stretch { length_m: 0.7, share_sigma, heading_rad, direction_rad, part: 1.0 });
+            walker
+                .walk(&noise, &Stretch { length_m: 0.7, share_sigma, heading_rad, direction_rad, part: 1.0 });
             let along = 0.7 * (factor + share_sigma * draws.normal());
             let direction = heading_rad + offset + error + direction_rad * draws.normal();
             position += Vector2::new(direction.sin(), direction.cos()) * along;
@@ -241,7 +247,10 @@ fn outliers_pull_no_more_than_their_bound() {
     assert!((last.position_m.xy() - true_at(&truth, last.time)).norm() < 1.5);
     let at = solutions.iter().find(|s| s.time == fixes[spoilt].time).unwrap();
     assert!((at.position_m.xy() - true_at(&truth, at.time)).norm() < 3.0);
-    let off = PdrParams { fixes: adit_estimation::methods::pdr::FixParams { used: false, ..Default::default() }, ..known_length(&walk) };
+    let off = PdrParams {
+        fixes: adit_estimation::methods::pdr::FixParams { used: false, ..Default::default() },
+        ..known_length(&walk)
+    };
     let (_, without) = run(off, &merged(&log, &fixes));
     assert_eq!((without.report().used_fixes, without.report().fixes), (0, fixes.len() as u64));
 }
@@ -249,7 +258,8 @@ fn outliers_pull_no_more_than_their_bound() {
 #[test]
 fn a_tag_that_is_turned_over_goes_on_the_same_way() {
     // In the midst of a straight walk the tag is turned up by 80° within 2 s, as from the hand into a pocket.
-    let walk = Strides { steps: 80, heading_rad: 0.0, noise: (0.0, 0.0, 0.0), sway_rad: 0.0, ..Strides::default() };
+    let walk =
+        Strides { steps: 80, heading_rad: 0.0, noise: (0.0, 0.0, 0.0), sway_rad: 0.0, ..Strides::default() };
     let (log, truth) = walk.record(1);
     let pitch = |t: f64| -1.4 * ((t - 20.0) / 2.0).clamp(0.0, 1.0);
     let turned: Vec<Observation> = log

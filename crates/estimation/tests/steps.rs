@@ -45,9 +45,8 @@ fn at(time_s: f64) -> Time {
 
 /// A tag whose norm of the specific force is this.
 fn norm(duration_s: f64, rate_hz: f64, of: impl Fn(f64) -> f64) -> Vec<Sample> {
-    let count = (duration_s * rate_hz) as u32;
-    let sample = |index| f64::from(index) / rate_hz;
-    (0..count).map(|i| (at(sample(i)), Vector3::new(0.0, 0.6, 0.8) * of(sample(i)))).collect()
+    let times = (0..).map(|index| f64::from(index) / rate_hz).take_while(|time_s| *time_s < duration_s);
+    times.map(|time_s| (at(time_s), Vector3::new(0.0, 0.6, 0.8) * of(time_s))).collect()
 }
 
 #[test]
@@ -56,7 +55,8 @@ fn counts_every_step_of_every_cadence_and_loudness() {
         // The body rises and falls by this much, whatever the cadence.
         for rise_m in [0.03, 0.05, 0.1] {
             let bounce_m_s2 = 0.5 * rise_m * (TAU * cadence_hz).powi(2);
-            let walk = Strides { cadence_hz, bounce_m_s2, second_m_s2: 0.2 * bounce_m_s2, ..Strides::default() };
+            let walk =
+                Strides { cadence_hz, bounce_m_s2, second_m_s2: 0.2 * bounce_m_s2, ..Strides::default() };
             let found = steps(&forces(&walk, 1));
             assert_eq!(found.len(), 40, "{cadence_hz} steps/s, {rise_m} m");
             for step in &found[2..38] {
@@ -108,7 +108,8 @@ fn what_is_no_walk_has_no_steps() {
     assert_eq!(steps(&still).len(), 0);
     let noisy: Vec<Sample> = still.iter().map(|(t, f)| (*t, f + draws.vector(0.3))).collect();
     assert_eq!(steps(&noisy).len(), 0, "noise at rest");
-    let vehicle = norm(60.0, 200.0, |t| GRAVITY_M_S2 + 4.0 * (TAU * 9.0 * t).sin() + 2.0 * (TAU * 14.3 * t).sin());
+    let vehicle =
+        norm(60.0, 200.0, |t| GRAVITY_M_S2 + 4.0 * (TAU * 9.0 * t).sin() + 2.0 * (TAU * 14.3 * t).sin());
     assert_eq!(steps(&vehicle).len(), 0, "a vehicle");
     let sway = norm(60.0, 100.0, |t| GRAVITY_M_S2 + 1.5 * (TAU * 0.3 * t).sin());
     assert_eq!(steps(&sway).len(), 0, "slow sway");

@@ -72,7 +72,8 @@ fn its_mounting_and_its_sign_are_applied() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
     std::fs::write(&path, text(40)).unwrap();
-    let sidecar = "[mounting]\nrotation = \"x-forward, y-right, z-down\"\n[frame]\nacceleration = \"gravity\"\n";
+    let sidecar =
+        "[mounting]\nrotation = \"x-forward, y-right, z-down\"\n[frame]\nacceleration = \"gravity\"\n";
     std::fs::write(folder.path().join("a.toml"), sidecar).unwrap();
     let first = open(&path).unwrap().next().unwrap().unwrap();
     let Observation::Acceleration(sample) = first else { panic!("{first:?}") };

@@ -5,8 +5,8 @@ mod common;
 
 use adit_observation::csv_log::{CsvLogWriter, Sensors};
 use adit_observation::{
-    DeviceId, ImpulseResponse, LogWarning, Observation, ObservationKind, Radio, RangeSample, Reception, Sighting,
-    SignalStrength,
+    DeviceId, ImpulseResponse, LogWarning, Observation, ObservationKind, Radio, RangeSample, Reception,
+    Sighting, SignalStrength,
 };
 use common::{csv_log, error_of, read_all};
 use std::sync::Arc;

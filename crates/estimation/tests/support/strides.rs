@@ -117,6 +117,7 @@ impl Strides {
     }
 
     /// What the sensors read, and the true position at each inertial sample.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number of samples")]
     pub fn record(&self, seed: u64) -> (Vec<Observation>, Vec<(Time, Vector2<f64>)>) {
         let mut draws = Draws::new(seed);
         let count = (self.duration_s() * self.rate_hz) as usize;

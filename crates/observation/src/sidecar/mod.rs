@@ -57,11 +57,11 @@ pub use edit::SidecarEdit;
 pub use magnetometer::{MagneticFieldReference, MagnetometerCalibration};
 pub use rotation::MountingRotation;
 
-use adit_core::nalgebra::Vector3;
 use crate::error::{At, LogError, Place};
 use crate::imu::ImuSpecification;
 use crate::observation::Observation;
 use crate::start::{Site, StartPose};
+use adit_core::nalgebra::Vector3;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use std::io::Read;
@@ -205,7 +205,8 @@ impl Sidecar {
     /// A sample as the sensor gave it, turned into body axes and into specific force.
     #[must_use]
     pub fn apply(&self, observation: Observation) -> Observation {
-        let turn = |v: Vector3<f64>| self.mounting.rotation.as_ref().map_or(v, |rotation| rotation.matrix() * v);
+        let turn =
+            |v: Vector3<f64>| self.mounting.rotation.as_ref().map_or(v, |rotation| rotation.matrix() * v);
         let force = |v| match self.frame.acceleration {
             AccelerationSign::SpecificForce => turn(v),
             AccelerationSign::Gravity => -turn(v),

@@ -120,9 +120,8 @@ impl Course {
             return None;
         }
         let mean = level().fold(Vector2::zeros(), |sum, (force, s)| sum + force * s) / length_s;
-        let spread = level().fold(Matrix2::zeros(), |sum, (force, s)| {
-            sum + (force - mean) * (force - mean).transpose() * s
-        });
+        let spread = level()
+            .fold(Matrix2::zeros(), |sum, (force, s)| sum + (force - mean) * (force - mean).transpose() * s);
         let (ee, en, nn) = (spread[(0, 0)], spread[(0, 1)], spread[(1, 1)]);
         let half_gap = libm::hypot(0.5 * (ee - nn), en);
         let middle = 0.5 * (ee + nn);

@@ -123,11 +123,9 @@ impl Pdr {
         match observation {
             Observation::Imu(imu) => self.inertial(observation, imu)?,
             Observation::Acceleration(sample) => self.acceleration(sample)?,
-            Observation::Magnetic(magnetic) => {
-                if self.field.is_none_or(|before| magnetic.time - before >= FIELD || magnetic.time < before) {
-                    self.field = Some(magnetic.time);
-                    self.attitude.observe_with(observation, &mut self.course)?;
-                }
+            Observation::Magnetic(magnetic) if self.is_field_due(magnetic.time) => {
+                self.field = Some(magnetic.time);
+                self.attitude.observe_with(observation, &mut self.course)?;
             }
             Observation::Fix(fix) => self.take(fix),
             _ => {}
@@ -165,6 +163,11 @@ impl Pdr {
     /// Position, offset and factor with their covariance.
     pub fn walker(&self) -> &Walker {
         &self.walker
+    }
+
+    #[inline]
+    fn is_field_due(&self, time: Time) -> bool {
+        self.field.is_none_or(|before| time < before || time - before >= FIELD)
     }
 
     #[inline]
@@ -291,7 +294,8 @@ impl Pdr {
             // No gyro: straight along the start.
             if !self.directed {
                 self.directed = true;
-                self.walker.offset_rad = self.params.start.map_or(0.0, |start| start.heading_deg.to_radians());
+                self.walker.offset_rad =
+                    self.params.start.map_or(0.0, |start| start.heading_deg.to_radians());
             }
             return 0.0;
         };
@@ -430,7 +434,8 @@ impl Pdr {
         if self.told.is_some_and(|told| time <= told) {
             return Ok(());
         }
-        let placed = self.search.as_ref().filter(|search| !search.is_empty()).map(|search| search.place(&self.walker));
+        let placed =
+            self.search.as_ref().filter(|search| !search.is_empty()).map(|search| search.place(&self.walker));
         let walker = placed.as_ref().unwrap_or(&self.walker);
         if !walker.is_finite() {
             return Err(MethodError::Diverged { time });

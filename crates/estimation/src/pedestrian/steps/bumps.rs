@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Bins that the smoothing looks ahead and back.
 pub const REACH: usize = 10;
 const TAPS: usize = 2 * REACH + 1;
+/// The same as an interval.
+const DELAY: Interval = Interval::from_nanos(10 * BIN.nanos());
 /// A dip of less than this share of the rise before it does not part a bump in two.
 const DIP: f64 = 0.25;
 /// Least width, s: three bins have weight.
@@ -60,7 +62,7 @@ impl Smoother {
         for (offset, weight) in self.weights.iter().enumerate().skip(1) {
             smooth += weight * (self.bins[REACH - offset] + self.bins[REACH + offset]);
         }
-        (middle - Interval::from_nanos(BIN.nanos() * REACH as i64), smooth)
+        (middle - DELAY, smooth)
     }
 }
 
@@ -170,8 +172,7 @@ impl Bumps {
     }
 
     fn rise(&mut self, time: Time, value: f64, trough: f64) {
-        *self =
-            Self { side: Side::Rising, extreme: (time, value), trough, shoulders: [value; 2], ..*self };
+        *self = Self { side: Side::Rising, extreme: (time, value), trough, shoulders: [value; 2], ..*self };
     }
 
     /// Top of the parabola through the highest value and its shoulders.

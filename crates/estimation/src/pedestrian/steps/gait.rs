@@ -191,8 +191,7 @@ impl Walk {
         let resumed = &self.held[first..];
         let (early_s, late_s) = (params.early * self.period_s, params.late * self.period_s);
         let strong = |bump: &Bump| bump.height_m_s2() >= params.weak_share * self.height_m_s2;
-        let in_time =
-            |pair: &[Bump]| (early_s..=late_s).contains(&seconds(pair[0].time, pair[1].time));
+        let in_time = |pair: &[Bump]| (early_s..=late_s).contains(&seconds(pair[0].time, pair[1].time));
         if !resumed.iter().all(strong) || !resumed.windows(2).all(in_time) {
             return;
         }

@@ -5,8 +5,11 @@
 //! same steps.
 
 use super::{BIN, BIN_S};
-use adit_core::time::Time;
+use adit_core::time::{Interval, Time};
 use serde::{Deserialize, Serialize};
+
+/// From the middle of a bin to its end.
+const HALF_BIN: Interval = Interval::from_nanos(BIN.nanos() / 2);
 
 /// Joins samples and averages them.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -61,14 +64,14 @@ impl NormGrid {
         self.integrate(self.edge, before + (value - before) * share);
         self.mean = self.area / BIN_S;
         self.area = 0.0;
-        let middle = self.last_middle(self.edge);
+        let middle = self.edge - HALF_BIN;
         self.edge = self.edge + BIN;
         Some((middle, self.mean))
     }
 
     /// Middle and mean of the last complete bin (the first sample, while there is none).
     pub fn last_bin(&self) -> (Time, f64) {
-        (self.last_middle(self.edge - BIN), self.mean)
+        (self.edge - BIN - HALF_BIN, self.mean)
     }
 
     #[inline]
@@ -76,9 +79,5 @@ impl NormGrid {
         let (from, before) = self.reached;
         self.area += (until - from).seconds() * 0.5 * (before + value);
         self.reached = (until, value);
-    }
-
-    fn last_middle(&self, end: Time) -> Time {
-        end - adit_core::time::Interval::from_nanos(BIN.nanos() / 2)
     }
 }

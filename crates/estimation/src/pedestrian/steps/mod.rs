@@ -109,7 +109,8 @@ impl StepDetector {
             return false;
         }
         while let Some((middle, norm)) = self.grid.pop() {
-            self.settled = self.stage.observe(&self.params, middle, norm, &mut self.due).max(self.settled);
+            let settled = self.stage.observe(&self.params, middle, norm, &mut self.due);
+            self.settled = self.settled.max(Some(settled));
         }
         true
     }
@@ -162,13 +163,7 @@ impl Stage {
     }
 
     /// Takes the mean of one bin, and says until when all is settled.
-    fn observe(
-        &mut self,
-        params: &StepParams,
-        middle: Time,
-        norm: f64,
-        due: &mut VecDeque<Step>,
-    ) -> Option<Time> {
+    fn observe(&mut self, params: &StepParams, middle: Time, norm: f64, due: &mut VecDeque<Step>) -> Time {
         match self {
             Self::Gait { smoother, bumps, gait } => {
                 let (time, smooth) = smoother.push(middle, norm);
@@ -181,9 +176,9 @@ impl Stage {
                 if gait.period_s() != was {
                     smoother.set_width(params.width_s(gait.period_s()));
                 }
-                Some(gait.settled(params, undecided))
+                gait.settled(params, undecided)
             }
-            Self::ZeroCrossing(stage) => Some(stage.observe(&params.zero_crossing, middle, norm, due)),
+            Self::ZeroCrossing(stage) => stage.observe(&params.zero_crossing, middle, norm, due),
         }
     }
 

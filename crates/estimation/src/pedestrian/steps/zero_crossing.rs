@@ -75,8 +75,7 @@ impl ZeroCrossing {
         let input = norm - *gravity;
         let [x1, x2] = self.inputs;
         let [y1, y2] = self.outputs;
-        let value =
-            self.b[0] * input + self.b[1] * x1 + self.b[2] * x2 - self.a[0] * y1 - self.a[1] * y2;
+        let value = self.b[0] * input + self.b[1] * x1 + self.b[2] * x2 - self.a[0] * y1 - self.a[1] * y2;
         (self.inputs, self.outputs) = ([input, x1], [value, y1]);
 
         let before = core::mem::replace(&mut self.before, value);
