@@ -95,6 +95,6 @@ fn measure(adit: &Path, scenario: &Path, person: &str, folder: &Path) -> Result<
     let kinds: Vec<&str> = told.lines().filter_map(|line| line.trim().strip_prefix("with ")).collect();
     let person: usize = person.parse()?;
     let log = out.join(format!("p{person:03}")).join("log.mcap");
-    let log_mib = fs::metadata(&log).with_context(|| log.display().to_string())?.len() as f64 / 1048576.0;
+    let log_mib = fs::metadata(&log).with_context(|| log.display().to_string())?.len() as f64 / 1_048_576.0;
     Ok(Measured { took_s, peak_mib: peak_kib as f64 / 1024.0, log_mib, told: kinds.join("; ") })
 }

@@ -1,5 +1,5 @@
 //! Logs with an accelerometer alone.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, clippy::format_collect, reason = "tests")]
 
 mod common;
 
