@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 #[path = "common/recorded.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
 mod recorded;
 
 use adit_core::attitude;
