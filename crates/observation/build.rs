@@ -6,9 +6,10 @@ use std::fs;
 use std::path::PathBuf;
 
 const FOLDER: &str = "../../proto";
-const SCHEMAS: [&str; 9] = [
+const SCHEMAS: [&str; 10] = [
     "adit/v1/vector3.proto",
     "adit/v1/imu.proto",
+    "adit/v1/acceleration.proto",
     "adit/v1/magnetic.proto",
     "adit/v1/pressure.proto",
     "adit/v1/position_fix.proto",

@@ -61,8 +61,8 @@ impl LogStream {
     /// The next observation of all logs; the log named first goes first where times are equal.
     pub fn next(&mut self) -> Result<Option<Observation>> {
         while let Some((index, observation)) = self.take_earliest()? {
-            if let Observation::Imu(sample) = &observation
-                && self.repeats(index, sample.time)?
+            if matches!(observation, Observation::Imu(_) | Observation::Acceleration(_))
+                && self.repeats(index, observation.time())?
             {
                 continue;
             }

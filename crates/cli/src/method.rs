@@ -24,6 +24,8 @@ pub enum MethodName {
     ReducedInsWifi,
     /// Six axes and position fixes: eighteen error states; needs a start
     FullInsWifi,
+    /// Steps of a tag worn at the waist, in a pocket or in the hand, their length and direction; position fixes where there are
+    Pdr,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -46,6 +48,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::FullInsWifi => {
                 type $settings = adit_estimation::methods::ins_wifi::FullInsWifiParams;
+                $body
+            }
+            $crate::method::MethodName::Pdr => {
+                type $settings = adit_estimation::methods::pdr::PdrParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -81,9 +87,12 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (_, None | Some(Location::Foot)) | (Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => {
-                None
-            }
+            (Self::Pdr, Some(Location::Foot)) => Some(format!(
+                "the sidecar puts the sensor on the foot, {} expects it above the knee",
+                self.name()
+            )),
+            (_, None | Some(Location::Foot))
+            | (Self::Pdr | Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
@@ -110,6 +119,7 @@ fn known(sidecar: &Sidecar) -> Known {
         field: reference_field(sidecar),
         site: sidecar.site,
         start: sidecar.start,
+        mounted: sidecar.mounting.rotation.is_some(),
     }
 }
 

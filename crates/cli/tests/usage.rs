@@ -14,7 +14,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 10] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
-            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, ahrs]",
+            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, ahrs]",
         ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),

@@ -29,6 +29,23 @@ impl ImuSample {
     }
 }
 
+/// One reading of a three-axis accelerometer that has no gyro beside it, body frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AccelerationSample {
+    /// Time of the reading: the end of the interval over which the sensor averaged.
+    pub time: Time,
+    /// Specific force, m/s² (at rest it points up and has the length of gravity).
+    pub specific_force_m_s2: Vector3<f64>,
+}
+
+impl AccelerationSample {
+    /// Whether every component is a finite number that an accelerometer could give.
+    #[inline]
+    pub fn is_reading(&self) -> bool {
+        self.specific_force_m_s2.iter().all(|v| v.abs() <= ImuSample::LIMITS.1)
+    }
+}
+
 /// One reading of a three-axis magnetometer, body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MagneticSample {

@@ -79,7 +79,7 @@ pub use device::DeviceId;
 #[cfg(feature = "std")]
 pub use error::{At, LogError, Place};
 pub use fix::{FixSource, HeightFix, PositionFix};
-pub use imu::{ImuSample, ImuSpecification, MagneticSample};
+pub use imu::{AccelerationSample, ImuSample, ImuSpecification, MagneticSample};
 #[cfg(feature = "std")]
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
 pub use observation::{Observation, ObservationKind};

@@ -4,7 +4,7 @@
 //! `csv_log`, a message in `proto/` and an arm in `mcap_log::messages`; order, gaps and merging know kinds only.
 
 use crate::fix::PositionFix;
-use crate::imu::{ImuSample, MagneticSample};
+use crate::imu::{AccelerationSample, ImuSample, MagneticSample};
 use crate::pressure::PressureSample;
 use crate::radio::{RangeSample, Sighting, SignalStrength};
 use adit_core::nalgebra::Vector3;
@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub enum Observation {
     /// Gyro and accelerometer.
     Imu(ImuSample),
+    /// Accelerometer without a gyro.
+    Acceleration(AccelerationSample),
     /// Magnetometer.
     Magnetic(MagneticSample),
     /// Barometer.
@@ -36,6 +38,8 @@ pub enum Observation {
 pub enum ObservationKind {
     /// [`Observation::Imu`].
     Imu,
+    /// [`Observation::Acceleration`].
+    Acceleration,
     /// [`Observation::Magnetic`].
     Magnetic,
     /// [`Observation::Pressure`].
@@ -55,6 +59,7 @@ impl Observation {
     pub fn time(&self) -> Time {
         match self {
             Self::Imu(sample) => sample.time,
+            Self::Acceleration(sample) => sample.time,
             Self::Magnetic(sample) => sample.time,
             Self::Pressure(sample) => sample.time,
             Self::Fix(fix) => fix.time,
@@ -69,6 +74,7 @@ impl Observation {
     pub fn at(mut self, time: Time) -> Self {
         *match &mut self {
             Self::Imu(sample) => &mut sample.time,
+            Self::Acceleration(sample) => &mut sample.time,
             Self::Magnetic(sample) => &mut sample.time,
             Self::Pressure(sample) => &mut sample.time,
             Self::Fix(fix) => &mut fix.time,
@@ -83,6 +89,7 @@ impl Observation {
     pub fn kind(&self) -> ObservationKind {
         match self {
             Self::Imu(_) => ObservationKind::Imu,
+            Self::Acceleration(_) => ObservationKind::Acceleration,
             Self::Magnetic(_) => ObservationKind::Magnetic,
             Self::Pressure(_) => ObservationKind::Pressure,
             Self::Fix(_) => ObservationKind::Fix,
@@ -101,6 +108,7 @@ impl Observation {
                 ("angular_rate_rad_s", &sample.angular_rate_rad_s),
                 ("specific_force_m_s2", &sample.specific_force_m_s2),
             ],
+            Self::Acceleration(sample) => [("specific_force_m_s2", &sample.specific_force_m_s2); 2],
             Self::Magnetic(sample) => [("field_ut", &sample.field_ut); 2],
             Self::Pressure(sample) => return sample.fault(),
             Self::Fix(fix) => return fix.fault(),
@@ -118,13 +126,21 @@ impl Observation {
 
 impl ObservationKind {
     /// How many there are.
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 8;
     /// All of them.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::Imu, Self::Magnetic, Self::Pressure, Self::Fix, Self::Signal, Self::Range, Self::Sighting];
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Imu,
+        Self::Acceleration,
+        Self::Magnetic,
+        Self::Pressure,
+        Self::Fix,
+        Self::Signal,
+        Self::Range,
+        Self::Sighting,
+    ];
 
     /// Whether the tag itself says it, by its own clock and in order; the others come by radio, and may come late.
     pub const fn is_wired(self) -> bool {
-        matches!(self, Self::Imu | Self::Magnetic | Self::Pressure)
+        matches!(self, Self::Imu | Self::Acceleration | Self::Magnetic | Self::Pressure)
     }
 }

@@ -96,7 +96,7 @@ impl<S: LogSource> Ordered<S> {
             return Verdict::Repeated;
         }
         if let Some(before) = before
-            && kind == ObservationKind::Imu
+            && matches!(kind, ObservationKind::Imu | ObservationKind::Acceleration)
             && time - before > self.gap_limit
         {
             warnings.gap(Place::new(self.source.file(), at), before, time, self.gap_limit);
@@ -170,7 +170,10 @@ impl Key {
     /// `None` for the tag's own sensors.
     fn of(observation: &Observation) -> Option<Self> {
         let said = match observation {
-            Observation::Imu(_) | Observation::Magnetic(_) | Observation::Pressure(_) => return None,
+            Observation::Imu(_)
+            | Observation::Acceleration(_)
+            | Observation::Magnetic(_)
+            | Observation::Pressure(_) => return None,
             Observation::Fix(fix) => Said::Fix(fix.source),
             Observation::Signal(signal) => Said::Signal(signal.transmitter.clone(), signal.radio),
             Observation::Range(range) => Said::Range(range.anchor.clone(), range.tag.clone(), range.radio),

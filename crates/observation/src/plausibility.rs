@@ -25,7 +25,6 @@
 //! | range longer than 300 m, the reach of UWB and Wi-Fi in the open | warning: cm or mm under the name m? |
 
 use crate::error::{At, LogError, Place};
-use crate::imu::ImuSample;
 use crate::observation::Observation;
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
@@ -75,7 +74,7 @@ impl<S: LogSource> UnitChecked<S> {
         while inertial < LOOKED_AT && self.queue.len() < 2 * LOOKED_AT {
             match self.source.next_observation(warnings) {
                 Ok(Some(located)) => {
-                    inertial += usize::from(matches!(located.0, Observation::Imu(_)));
+                    inertial += usize::from(specific_force(&located.0).is_some());
                     self.queue.push_back(located);
                 }
                 Ok(None) => break,
@@ -95,16 +94,11 @@ impl<S: LogSource> UnitChecked<S> {
     }
 
     fn gravity_verdict(&self, warnings: &mut Warnings) -> Option<LogError> {
-        let samples = || {
-            self.queue.iter().filter_map(|(observation, _)| match observation {
-                Observation::Imu(sample) => Some(sample),
-                _ => None,
-            })
-        };
-        let quiet = samples().filter(|s| s.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S).map(force);
-        let mut forces: Vec<f64> = quiet.collect();
+        let observations = || self.queue.iter().map(|(observation, _)| observation);
+        let mut forces: Vec<f64> =
+            observations().filter(|observation| is_quiet(observation)).filter_map(specific_force).collect();
         if forces.len() < ENOUGH_QUIET {
-            forces = samples().map(force).collect();
+            forces = observations().filter_map(specific_force).collect();
         }
         let median = median(forces)?;
         let place = Place::new(self.source.file(), self.queue.back()?.1);
@@ -188,8 +182,18 @@ fn thousandths(value: f64) -> i64 {
     (value * 1000.0).round() as i64
 }
 
-fn force(sample: &ImuSample) -> f64 {
-    sample.specific_force_m_s2.norm()
+/// Length of the specific force, m/s², where an accelerometer said something.
+fn specific_force(observation: &Observation) -> Option<f64> {
+    match observation {
+        Observation::Imu(sample) => Some(sample.specific_force_m_s2.norm()),
+        Observation::Acceleration(sample) => Some(sample.specific_force_m_s2.norm()),
+        _ => None,
+    }
+}
+
+/// The gyro tells that the sensor hardly turns.
+fn is_quiet(observation: &Observation) -> bool {
+    matches!(observation, Observation::Imu(sample) if sample.angular_rate_rad_s.norm() < QUIET_RATE_RAD_S)
 }
 
 impl<S: LogSource> LogSource for UnitChecked<S> {

@@ -127,6 +127,7 @@ fn row(observation: &Observation) -> Row {
             row.specific_force_m_s2 = Some(sample.specific_force_m_s2);
             row.angular_rate_rad_s = Some(sample.angular_rate_rad_s);
         }
+        Observation::Acceleration(sample) => row.specific_force_m_s2 = Some(sample.specific_force_m_s2),
         Observation::Magnetic(sample) => row.field_ut = Some(sample.field_ut),
         Observation::Pressure(sample) => row.pressure_pa = Some(sample.pressure_pa),
         Observation::Fix(_) | Observation::Signal(_) | Observation::Range(_) | Observation::Sighting(_) => {}

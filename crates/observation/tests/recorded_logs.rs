@@ -51,8 +51,8 @@ fn all_recorded_inertial_logs_pass_the_checks() {
 fn accelerometer_logs_are_read_row_by_row() {
     let Some(folder) = data_set("steps") else { return };
     for path in files_with(&folder, "_imu.csv") {
-        let error = open(&path).err().unwrap().to_string();
-        assert!(error.contains(":1: missing column gyro_x_rad_s"), "{error}");
+        let (observations, _) = read(&path);
+        assert!(observations.iter().all(|o| matches!(o, Observation::Acceleration(_))));
 
         let mut rows = RowReader::new(Input::open(&path).unwrap(), &mut Warnings::default()).unwrap();
         let mut count = 0;

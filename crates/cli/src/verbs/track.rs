@@ -109,7 +109,7 @@ fn filter<S: MethodSettings>(
     };
     let (mut inertial_samples, mut count) = (0, 0_u64);
     while let Some(observation) = stream.next()? {
-        inertial_samples += u64::from(matches!(observation, Observation::Imu(_)));
+        inertial_samples += u64::from(is_inertial(&observation));
         let place = || format!("{}: at {} s", stream.name(), observation.time());
         let mut solution = method.observe(&observation).with_context(place)?;
         while let Some(due) = solution {
@@ -126,6 +126,11 @@ fn filter<S: MethodSettings>(
         outputs.push(&solution)?;
     }
     Ok(Run { inertial_samples, report: method.report().clone() })
+}
+
+/// An accelerometer, with a gyro or without.
+fn is_inertial(observation: &Observation) -> bool {
+    matches!(observation, Observation::Imu(_) | Observation::Acceleration(_))
 }
 
 /// The whole log at once.
@@ -152,7 +157,7 @@ fn smooth<S: MethodSettings>(
     for solution in &solutions {
         outputs.push(solution)?;
     }
-    let inertial_samples = log.iter().filter(|o| matches!(o, Observation::Imu(_))).count() as u64;
+    let inertial_samples = log.iter().filter(|o| is_inertial(o)).count() as u64;
     Ok(Run { inertial_samples, report })
 }
 

@@ -163,6 +163,11 @@ impl AttitudeFilter {
         self.judge.is_disturbed()
     }
 
+    /// Sums over the interval under way.
+    pub fn interval(&self) -> &Interval {
+        &self.interval
+    }
+
     /// Length of the interval under way, s.
     pub fn pending_s(&self) -> f64 {
         self.interval.length_s

@@ -21,7 +21,7 @@
 
 pub mod disturbance;
 mod filter;
-mod interval;
+pub mod interval;
 pub mod measurement;
 mod params;
 pub mod smoother;

@@ -78,6 +78,17 @@ pub enum MethodWarning {
     },
     /// The log has no magnetometer, or none at the start: the sensor's x axis is taken for north.
     NoMagnetometer,
+    /// The log has an accelerometer alone: steps can be counted, but nothing is known of their direction.
+    NoGyro,
+    /// Nobody declared how the tag is mounted: which way its wearer goes is unknown until fixes tell.
+    ForwardUnknown,
+    /// Fix after fix contradicted the path: where it lies and which way it goes was sought anew.
+    PathReopened {
+        /// When it was found out.
+        time: Time,
+    },
+    /// The body's x axis, which is to point forward, is steep: another axis serves as forward.
+    SteepForward,
     /// The field at the start is not the Earth's, or not that of the reference: the heading is uncertain.
     DisturbedAtStart {
         /// Its norm, µT.
@@ -104,6 +115,18 @@ impl MethodWarning {
             ),
             Self::NoMagnetometer => String::from(
                 "the log has no magnetometer at the start: the sensor's x axis there counts as north",
+            ),
+            Self::NoGyro => String::from(
+                "the log has no gyro: steps and distance are estimated, but the path goes straight along the heading of the start",
+            ),
+            Self::ForwardUnknown => String::from(
+                "no mounting is declared: the sensor's x axis counts as forward, and the path is turned by an unknown angle until fixes tell",
+            ),
+            Self::PathReopened { time } => alloc::format!(
+                "fix after fix contradicted the path until {time} s: place and direction were sought anew from there (is the sensor's x axis forward?)"
+            ),
+            Self::SteepForward => String::from(
+                "the sensor's x axis, which is to point forward, is steep: the axis nearest to the horizon counts as forward (the sidecar's mounting can tell)",
             ),
             Self::DisturbedAtStart { norm_ut } => alloc::format!(
                 "the magnetic field at the start, {norm_ut:.1} µT, is not the Earth's: the heading is uncertain until it is"

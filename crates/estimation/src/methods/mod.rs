@@ -29,6 +29,7 @@ mod foot_input;
 pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
+pub mod pdr;
 
 pub use error::{MethodError, MethodWarning};
 
@@ -64,6 +65,8 @@ pub struct Known {
     pub site: Option<Site>,
     /// Pose at the first inertial sample.
     pub start: Option<StartPose>,
+    /// The body's axes are those of the wearer (x forward, y left, z up): somebody declared how the tag is mounted.
+    pub mounted: bool,
 }
 
 /// A method at work: observations in, solutions out, in bounded memory.

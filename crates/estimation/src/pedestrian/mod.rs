@@ -4,4 +4,6 @@ pub mod gap;
 pub mod heading;
 pub mod stance;
 pub mod stance_updates;
+pub mod step_length;
+pub mod steps;
 pub mod zero_velocity;

@@ -1,6 +1,7 @@
 //! What several test files share: random numbers, small vectors and matrices of them.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub mod strides;
 pub mod turning;
 pub mod walk;
 

@@ -19,7 +19,7 @@
 //!   `tag_id`, `range_sigma_m`, `valid`, `radio`; beside single ones `line_of_sight` and how the signal came in
 //!   ([`crate::Reception`]): `rx_power_dBm`, `first_path_power_dBm`, `first_path_index_tap`, `peak_index_tap`, `first_path_amp1`,
 //!   `first_path_amp2`, `first_path_amp3`, `noise_std`, `noise_max`, `preamble_count`. Impulse responses have no columns.
-//! - Needed: `time`, `acc` and `gyro`; or `time` and anything else without either. [`RowReader`] also reads one sensor alone.
+//! - Needed: `time`, `acc` and `gyro`; or `acc` without `gyro` ([`crate::Observation::Acceleration`]); or anything else without either. [`RowReader`] also reads one sensor alone.
 //! - An empty field in the magnetic triple means that the row has no magnetic reading; so do empty `fix_east_m` and `fix_north_m`, and an
 //!   empty `pressure`, `rssi`, `range` or `reader`, each for what it begins, and `valid` 0 for ranges. What may stand beside may be
 //!   empty; any other field that is empty or not a finite number is an error.
@@ -46,7 +46,7 @@ pub use writer::{CsvLogWriter, Sensors};
 
 use crate::error::{At, LogError};
 use crate::files::Input;
-use crate::imu::{ImuSample, MagneticSample};
+use crate::imu::{AccelerationSample, ImuSample, MagneticSample};
 use crate::observation::Observation;
 use crate::pressure::PressureSample;
 use crate::source::LogSource;
@@ -71,7 +71,7 @@ impl CsvLog {
         let header = rows.header();
         let (acceleration, rate) = (header.has(Quantity::Acceleration), header.has(Quantity::AngularRate));
         let other = header.has(Quantity::MagneticField) || header.has_pressure() || header.has_radio();
-        if acceleration != rate || !(rate || other) {
+        if !acceleration && (rate || !other) {
             return Err(rows.missing(&[Quantity::Acceleration, Quantity::AngularRate]));
         }
         Ok(Self { rows, pending: VecDeque::new(), at: At::File })
@@ -93,6 +93,9 @@ impl CsvLog {
         Ok(match (specific_force_m_s2, angular_rate_rad_s) {
             (Some(specific_force_m_s2), Some(angular_rate_rad_s)) => {
                 Some(Observation::Imu(ImuSample { time, angular_rate_rad_s, specific_force_m_s2 }))
+            }
+            (Some(specific_force_m_s2), None) => {
+                Some(Observation::Acceleration(AccelerationSample { time, specific_force_m_s2 }))
             }
             _ => self.pending.pop_front(),
         })

@@ -32,7 +32,7 @@ pub(super) fn unwritable_name(observation: &Observation) -> Option<&DeviceId> {
 pub(super) fn write(file: &mut impl Write, observation: &Observation) -> io::Result<()> {
     let time = ShortSeconds(observation.time());
     match observation {
-        Observation::Imu(_) | Observation::Magnetic(_) => Ok(()),
+        Observation::Imu(_) | Observation::Acceleration(_) | Observation::Magnetic(_) => Ok(()),
         Observation::Pressure(sample) => writeln!(file, "{time},{}", sample.pressure_pa),
         Observation::Fix(fix) => write_fix(file, time, fix),
         Observation::Signal(signal) => {

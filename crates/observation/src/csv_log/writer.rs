@@ -16,6 +16,8 @@ pub enum Sensors {
     Imu,
     /// Accelerometer, gyro and magnetometer; a row without a magnetic reading has empty fields.
     ImuMagnetic,
+    /// Accelerometer alone.
+    Acceleration,
     /// Magnetometer alone.
     Magnetic,
     /// Barometer alone.
@@ -38,6 +40,7 @@ impl Sensors {
             Self::ImuMagnetic => {
                 "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,mag_x_uT,mag_y_uT,mag_z_uT"
             }
+            Self::Acceleration => "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2",
             Self::Magnetic => "time_s,mag_x_uT,mag_y_uT,mag_z_uT",
             Self::Pressure => "time_s,pressure_Pa",
             Self::Fixes => {
@@ -81,10 +84,11 @@ impl CsvLogWriter {
         match (observation, self.sensors) {
             (Observation::Imu(sample), Sensors::Imu | Sensors::ImuMagnetic) => self.push_imu(*sample),
             (Observation::Magnetic(sample), Sensors::ImuMagnetic) => self.push_beside(sample),
+            (Observation::Acceleration(sample), Sensors::Acceleration) => {
+                self.push_alone(sample.time, &sample.specific_force_m_s2)
+            }
             (Observation::Magnetic(sample), Sensors::Magnetic) => {
-                self.check(sample.time, [&sample.field_ut])?;
-                write_row(&mut self.file, sample.time, &[&sample.field_ut], false)
-                    .map_err(|e| self.file.error(e))
+                self.push_alone(sample.time, &sample.field_ut)
             }
             (Observation::Pressure(sample), Sensors::Pressure) => {
                 self.check(sample.time, [])?;
@@ -121,6 +125,11 @@ impl CsvLogWriter {
         }
         let triples = [&sample.specific_force_m_s2, &sample.angular_rate_rad_s];
         write_row(&mut self.file, sample.time, &triples, false).map_err(|e| self.file.error(e))
+    }
+
+    fn push_alone(&mut self, time: Time, triple: &Vector3<f64>) -> Result<(), LogError> {
+        self.check(time, [triple])?;
+        write_row(&mut self.file, time, &[triple], false).map_err(|e| self.file.error(e))
     }
 
     fn push_beside(&mut self, sample: &MagneticSample) -> Result<(), LogError> {

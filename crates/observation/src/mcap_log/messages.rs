@@ -3,7 +3,7 @@
 use super::schema::{Timestamp, message};
 use crate::device::DeviceId;
 use crate::fix::{FixSource, HeightFix, PositionFix};
-use crate::imu::{ImuSample, MagneticSample};
+use crate::imu::{AccelerationSample, ImuSample, MagneticSample};
 use crate::names::Names;
 use crate::observation::{Observation, ObservationKind};
 use crate::pressure::PressureSample;
@@ -44,6 +44,11 @@ impl Messages {
                 specific_force_m_s2: Some(vector(&sample.specific_force_m_s2)),
             }
             .encode_raw(bytes),
+            Observation::Acceleration(sample) => message::AccelerationSample {
+                timestamp,
+                specific_force_m_s2: Some(vector(&sample.specific_force_m_s2)),
+            }
+            .encode_raw(bytes),
             Observation::Magnetic(sample) => {
                 message::MagneticSample { timestamp, field_ut: Some(vector(&sample.field_ut)) }
                     .encode_raw(bytes);
@@ -78,6 +83,7 @@ impl Messages {
     pub(super) fn decode(&mut self, kind: ObservationKind, bytes: &[u8]) -> Result<Observation, BadMessage> {
         let observation = match kind {
             ObservationKind::Imu => Observation::Imu(decode_imu(bytes)?),
+            ObservationKind::Acceleration => Observation::Acceleration(decode_acceleration(bytes)?),
             ObservationKind::Magnetic => Observation::Magnetic(decode_magnetic(bytes)?),
             ObservationKind::Pressure => Observation::Pressure(decode_pressure(bytes)?),
             ObservationKind::Fix => Observation::Fix(decode_fix(bytes)?),
@@ -126,6 +132,14 @@ fn decode_imu(bytes: &[u8]) -> Result<ImuSample, BadMessage> {
     Ok(ImuSample {
         time: time(message.timestamp)?,
         angular_rate_rad_s: checked(message.angular_rate_rad_s, "angular_rate_rad_s")?,
+        specific_force_m_s2: checked(message.specific_force_m_s2, "specific_force_m_s2")?,
+    })
+}
+
+fn decode_acceleration(bytes: &[u8]) -> Result<AccelerationSample, BadMessage> {
+    let message: message::AccelerationSample = message(bytes)?;
+    Ok(AccelerationSample {
+        time: time(message.timestamp)?,
         specific_force_m_s2: checked(message.specific_force_m_s2, "specific_force_m_s2")?,
     })
 }

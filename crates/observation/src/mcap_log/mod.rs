@@ -3,6 +3,7 @@
 //! | topic | schema | what |
 //! |---|---|---|
 //! | `/imu` | `adit.v1.ImuSample` | gyro (rad/s) and accelerometer (m/s²) |
+//! | `/acceleration` | `adit.v1.AccelerationSample` | accelerometer without a gyro (m/s²) |
 //! | `/magnetic` | `adit.v1.MagneticSample` | magnetometer (µT) |
 //! | `/pressure` | `adit.v1.PressureSample` | barometer (Pa) |
 //! | `/fix` | `adit.v1.PositionFix` | position from outside (m) |

@@ -20,6 +20,7 @@ pub(super) const PROTOBUF: &str = "protobuf";
 pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
     match kind {
         ObservationKind::Imu => "adit.v1.ImuSample",
+        ObservationKind::Acceleration => "adit.v1.AccelerationSample",
         ObservationKind::Magnetic => "adit.v1.MagneticSample",
         ObservationKind::Pressure => "adit.v1.PressureSample",
         ObservationKind::Fix => "adit.v1.PositionFix",
@@ -33,6 +34,7 @@ pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
 pub(super) const fn topic(kind: ObservationKind) -> &'static str {
     match kind {
         ObservationKind::Imu => "/imu",
+        ObservationKind::Acceleration => "/acceleration",
         ObservationKind::Magnetic => "/magnetic",
         ObservationKind::Pressure => "/pressure",
         ObservationKind::Fix => "/fix",

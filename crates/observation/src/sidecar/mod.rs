@@ -61,6 +61,7 @@ use crate::error::{At, LogError, Place};
 use crate::imu::ImuSpecification;
 use crate::observation::Observation;
 use crate::start::{Site, StartPose};
+use adit_core::nalgebra::Vector3;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use std::io::Read;
@@ -204,15 +205,21 @@ impl Sidecar {
     /// A sample as the sensor gave it, turned into body axes and into specific force.
     #[must_use]
     pub fn apply(&self, observation: Observation) -> Observation {
-        let turn = |v| self.mounting.rotation.as_ref().map_or(v, |rotation| rotation.matrix() * v);
+        let turn =
+            |v: Vector3<f64>| self.mounting.rotation.as_ref().map_or(v, |rotation| rotation.matrix() * v);
+        let force = |v| match self.frame.acceleration {
+            AccelerationSign::SpecificForce => turn(v),
+            AccelerationSign::Gravity => -turn(v),
+        };
         match observation {
             Observation::Imu(mut sample) => {
                 sample.angular_rate_rad_s = turn(sample.angular_rate_rad_s);
-                sample.specific_force_m_s2 = turn(sample.specific_force_m_s2);
-                if self.frame.acceleration == AccelerationSign::Gravity {
-                    sample.specific_force_m_s2 = -sample.specific_force_m_s2;
-                }
+                sample.specific_force_m_s2 = force(sample.specific_force_m_s2);
                 Observation::Imu(sample)
+            }
+            Observation::Acceleration(mut sample) => {
+                sample.specific_force_m_s2 = force(sample.specific_force_m_s2);
+                Observation::Acceleration(sample)
             }
             Observation::Magnetic(mut sample) => {
                 let field_ut = self.magnetometer.map_or(sample.field_ut, |m| m.field_ut(&sample.field_ut));

@@ -57,18 +57,21 @@ impl Ahrs {
     /// One observation in, at most one solution out; those of the first moments come with [`Self::next_due`].
     #[inline]
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
-        self.observe_with(observation, &mut ())
+        let due = self.observe_with(observation, &mut ())?;
+        Ok(due.and_then(|time| self.solution(time)))
     }
 
     /// A further solution that the observations so far make due, if any.
     #[inline]
     pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
-        if self.held.is_empty() { Ok(None) } else { self.work_off(false, &mut ()) }
+        let due = self.next_due_with(&mut ())?;
+        Ok(due.and_then(|time| self.solution(time)))
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
-        self.finish_next_with(&mut ())
+        let due = self.finish_next_with(&mut ())?;
+        Ok(due.and_then(|time| self.solution(time)))
     }
 
     /// What the run did so far.
@@ -81,12 +84,13 @@ impl Ahrs {
         self.filter.as_ref()
     }
 
+    /// [`Self::observe`] for who listens to the filter: the time of an inertial sample that went through it, if one did.
     #[inline]
-    fn observe_with(
+    pub(crate) fn observe_with(
         &mut self,
         observation: &Observation,
         recorder: &mut impl AhrsRecorder,
-    ) -> Result<Option<Solution>, MethodError> {
+    ) -> Result<Option<Time>, MethodError> {
         match observation {
             Observation::Imu(imu) => {
                 if !imu.is_reading() {
@@ -112,10 +116,25 @@ impl Ahrs {
         self.work_off(false, recorder)
     }
 
-    fn finish_next_with(
+    /// True after the first inertial sample.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.latest.is_some()
+    }
+
+    /// [`Self::next_due`] in the same way.
+    #[inline]
+    pub(crate) fn next_due_with(
         &mut self,
         recorder: &mut impl AhrsRecorder,
-    ) -> Result<Option<Solution>, MethodError> {
+    ) -> Result<Option<Time>, MethodError> {
+        if self.held.is_empty() { Ok(None) } else { self.work_off(false, recorder) }
+    }
+
+    /// [`Self::finish_next`] in the same way.
+    pub(crate) fn finish_next_with(
+        &mut self,
+        recorder: &mut impl AhrsRecorder,
+    ) -> Result<Option<Time>, MethodError> {
         if self.latest.is_none() {
             return Err(MethodError::Empty);
         }
@@ -135,7 +154,7 @@ impl Ahrs {
         &mut self,
         all_there_is: bool,
         recorder: &mut impl AhrsRecorder,
-    ) -> Result<Option<Solution>, MethodError> {
+    ) -> Result<Option<Time>, MethodError> {
         while let (Some(first), Some(last)) = (self.held.front(), self.held.back()) {
             if let Some(gap_s) = self.gap_before(first) {
                 let held_s = (last.time() - first.time()).seconds();
@@ -145,8 +164,8 @@ impl Ahrs {
                 self.align(gap_s, recorder)?;
             }
             let Some(observation) = self.held.pop_front() else { break };
-            if let Some(solution) = self.advance(&observation, recorder)? {
-                return Ok(Some(solution));
+            if let Some(time) = self.advance(&observation, recorder)? {
+                return Ok(Some(time));
             }
         }
         Ok(None)
@@ -194,7 +213,7 @@ impl Ahrs {
         &mut self,
         observation: &Observation,
         recorder: &mut impl AhrsRecorder,
-    ) -> Result<Option<Solution>, MethodError> {
+    ) -> Result<Option<Time>, MethodError> {
         let Some(filter) = self.filter.as_mut() else { return Err(MethodError::Empty) };
         match observation {
             Observation::Magnetic(magnetic) => {
@@ -207,14 +226,13 @@ impl Ahrs {
             Observation::Imu(imu) => {
                 let interval_s = self.time.map_or(0.0, |time| (imu.time - time).seconds());
                 self.time = Some(imu.time);
-                recorder.sample();
+                recorder.sample(imu.time);
                 if filter.propagate(&imu.angular_rate_rad_s, &imu.specific_force_m_s2, interval_s) {
                     correct(filter, recorder);
                 }
                 self.report.note(filter);
-                let solution = solution(imu.time, filter);
-                if solution.attitude.coords.iter().all(|v| v.is_finite()) {
-                    Ok(Some(solution))
+                if filter.state().attitude.coords.iter().all(|v| v.is_finite()) {
+                    Ok(Some(imu.time))
                 } else {
                     Err(MethodError::Diverged { time: imu.time })
                 }
@@ -222,12 +240,17 @@ impl Ahrs {
             _ => Ok(None),
         }
     }
+
+    #[inline]
+    fn solution(&self, time: Time) -> Option<Solution> {
+        self.filter.as_ref().map(|filter| solution(time, filter))
+    }
 }
 
 /// A [`Recorder`] that also hears of samples, intervals and gaps.
-trait AhrsRecorder: Recorder {
-    /// The next sample is being taken.
-    fn sample(&mut self) {}
+pub(crate) trait AhrsRecorder: Recorder {
+    /// The next inertial sample is being taken.
+    fn sample(&mut self, _time: Time) {}
     /// An interval ends with the last sample, which the filter has not corrected yet.
     fn interval_ends(&mut self, _filter: &AttitudeFilter) {}
     /// Now it has.

@@ -9,6 +9,7 @@ use crate::methods::MethodError;
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{UnitQuaternion, Vector3};
 use adit_core::solution::Solution;
+use adit_core::time::Time;
 use adit_observation::Observation;
 use alloc::vec::Vec;
 
@@ -24,15 +25,15 @@ pub fn smooth(
     let mut memory = Memory::default();
     let mut solutions = Vec::with_capacity(log.len());
     for (done, observation) in log.iter().enumerate() {
-        let mut solution = ahrs.observe_with(observation, &mut memory)?;
-        while let Some(now) = solution {
-            solutions.push(now);
-            solution = ahrs.work_off(false, &mut memory)?;
+        let mut due = ahrs.observe_with(observation, &mut memory)?;
+        while let Some(time) = due {
+            solutions.extend(ahrs.solution(time));
+            due = ahrs.next_due_with(&mut memory)?;
         }
         progress(done);
     }
-    while let Some(last) = ahrs.finish_next_with(&mut memory)? {
-        solutions.push(last);
+    while let Some(time) = ahrs.finish_next_with(&mut memory)? {
+        solutions.extend(ahrs.solution(time));
     }
     let intervals = memory.record.intervals().max(1);
     let smoothed = memory.record.smooth(|done| progress(log.len() + log.len() * done / intervals));
@@ -91,7 +92,7 @@ impl Memory {
 }
 
 impl AhrsRecorder for Memory {
-    fn sample(&mut self) {
+    fn sample(&mut self, _time: Time) {
         self.samples += 1;
     }
 
