@@ -235,6 +235,24 @@ fn a_path_that_fix_after_fix_contradicts_is_sought_anew() {
 }
 
 #[test]
+fn the_principal_axis_tells_forward_but_not_from_backward() {
+    for yaw_rad in [-1.2, 0.5, 1.0] {
+        let mounting = attitude::exp(&(Vector3::z() * yaw_rad));
+        let walk = Strides { mounting, surge_m_s2: 2.0, sway_rad: 0.0, ..square() };
+        let (log, _) = walk.record(2);
+        let offset_rad = |direction| {
+            let (_, method) = run(PdrParams { direction, ..known_length(&walk) }, &log);
+            (method.walker().offset_rad, method.walker().direction_variance().sqrt())
+        };
+        let (held, unknown) = offset_rad(Direction::Held);
+        assert!(held.abs() < 1e-9 && unknown > 1.5, "{held} ± {unknown}");
+        let (along, known) = offset_rad(Direction::PrincipalAxis);
+        assert!((along - yaw_rad).sin().abs() < 0.15, "{yaw_rad}: {along} ± {known}");
+        assert!(known < 0.2);
+    }
+}
+
+#[test]
 fn outliers_pull_no_more_than_their_bound() {
     let walk = Strides { steps: 200, ..square() };
     let (log, truth) = walk.record(6);

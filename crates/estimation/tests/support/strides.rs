@@ -27,6 +27,8 @@ pub struct Strides {
     pub bounce_m_s2: f64,
     /// The same at its double: what makes two peaks of one.
     pub second_m_s2: f64,
+    /// Forward acceleration and braking with every step, m/s².
+    pub surge_m_s2: f64,
     /// Share by which the one foot is louder than the other.
     pub limp: f64,
     /// Heading at the start, and turns: from when on, for how long (s), by what angle (rad).
@@ -51,6 +53,7 @@ impl Default for Strides {
             step_m: 0.7,
             bounce_m_s2: 2.5,
             second_m_s2: 0.5,
+            surge_m_s2: 0.0,
             limp: 0.0,
             heading_rad: 0.4,
             turns: Vec::new(),
@@ -134,7 +137,13 @@ impl Strides {
             truth.push((time, position));
             let body = self.attitude(time_s).inverse();
             let across = speed * rate;
-            let force = Vector3::new(cos * across, -sin * across, self.vertical_m_s2(time_s));
+            let surge =
+                if self.walks(time_s) { self.surge_m_s2 * (TAU * self.phase(time_s)).sin() } else { 0.0 };
+            let force = Vector3::new(
+                cos * across + sin * surge,
+                -sin * across + cos * surge,
+                self.vertical_m_s2(time_s),
+            );
             let turn = Vector3::new(0.0, 0.0, -(rate + self.sway(time_s).1));
             let (gyro, acc, mag) = self.noise;
             log.push(Observation::Imu(ImuSample {
