@@ -259,3 +259,15 @@ pub(crate) fn shown(field: &[u8]) -> String {
     }
     shown
 }
+
+/// Words of a library about a file, on one line: it may quote what stands there.
+pub(crate) fn on_one_line(text: &str) -> String {
+    text.chars()
+        .flat_map(|c| {
+            // Letters of any alphabet stay, what would move a terminal is escaped.
+            let escaped = c.is_control().then(|| c.escape_default());
+            let plain = escaped.is_none().then_some(c);
+            escaped.into_iter().flatten().chain(plain)
+        })
+        .collect()
+}

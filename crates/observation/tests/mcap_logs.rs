@@ -119,6 +119,17 @@ fn every_flipped_bit_in_a_chunk_is_found_by_its_checksum() {
 }
 
 #[test]
+fn what_a_library_says_of_a_file_stays_on_one_line() {
+    let whole = mcap(&observations(200), Packing::Lz4);
+    let at = whole.windows(3).position(|window| window == b"lz4").unwrap();
+    let mut broken = whole;
+    broken[at + 2] = b'\n';
+    let error = error_of("a.mcap", &broken);
+    assert!(error.contains("lz\\n"), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+}
+
+#[test]
 fn a_huge_length_does_not_fill_the_memory() {
     let mut bytes = mcap(&observations(10), Packing::Plain);
     // The length of the header record, right after magic and operation code.

@@ -1,7 +1,7 @@
 use super::messages::{BadMessage, Messages};
 use super::records::Records;
 use super::schema::{PROTOBUF, schema_name};
-use crate::error::{At, LogError, shown};
+use crate::error::{At, LogError, on_one_line, shown};
 use crate::files::Input;
 use crate::names::EXPECTED_NAME;
 use crate::observation::{Observation, ObservationKind};
@@ -85,7 +85,9 @@ impl McapLog {
 
     fn bad(&self, kind: ObservationKind, bad: BadMessage) -> LogError {
         let (what, found, expected) = match bad {
-            BadMessage::Undecodable(why) => ("message".to_owned(), why, schema_name(kind).to_owned()),
+            BadMessage::Undecodable(why) => {
+                ("message".to_owned(), on_one_line(&why), schema_name(kind).to_owned())
+            }
             BadMessage::Missing(field) => (field.to_owned(), "nothing".to_owned(), "a value".to_owned()),
             BadMessage::NotFinite(field, value) => {
                 (field.to_owned(), value.to_string(), "a finite number".to_owned())

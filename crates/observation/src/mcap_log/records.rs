@@ -1,6 +1,6 @@
 //! Records of an MCAP file one by one, chunks opened, in bounded memory.
 
-use crate::error::{At, LogError, Place};
+use crate::error::{At, LogError, Place, on_one_line};
 use crate::files::{Input, read_error};
 use flate2::Crc;
 use mcap::McapError;
@@ -70,7 +70,7 @@ impl Records {
     }
 
     pub(super) fn corrupt(&self, what: impl Into<String>) -> LogError {
-        LogError::CorruptMcap { place: self.place(), what: what.into() }
+        LogError::CorruptMcap { place: self.place(), what: on_one_line(&what.into()) }
     }
 
     /// The next record's operation code and body; `None` after the end mark.
@@ -147,8 +147,8 @@ impl Records {
         let place = self.place();
         match error {
             McapError::UnexpectedEof => LogError::CutMcap { place },
-            McapError::Io(source) => LogError::CorruptMcap { place, what: source.to_string() },
-            other => LogError::CorruptMcap { place, what: other.to_string() },
+            McapError::Io(source) => LogError::CorruptMcap { place, what: on_one_line(&source.to_string()) },
+            other => LogError::CorruptMcap { place, what: on_one_line(&other.to_string()) },
         }
     }
 
