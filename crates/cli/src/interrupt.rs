@@ -21,7 +21,7 @@ pub fn install() -> Result<()> {
 /// An error once somebody has asked to stop.
 pub fn check() -> Result<()> {
     if ASKED_TO_STOP.load(Ordering::Relaxed) {
-        bail!("interrupted: no output was written");
+        bail!("interrupted: what was not complete was not written");
     }
     Ok(())
 }
