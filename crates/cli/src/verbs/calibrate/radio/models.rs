@@ -1,0 +1,201 @@
+//! Everything that a path loss gives: its fits, its maps, and the methods that stand on them.
+
+use super::contest::{Contestant, Follower, Uses};
+use super::data::RadioData;
+use super::walks;
+use adit_core::nalgebra::Vector2;
+use adit_estimation::radio::centroid::{CentroidWeight, centroid};
+use adit_estimation::radio::circles::{CircleParams, InnerWeight, inner_points};
+use adit_estimation::radio::range_fit::{RangeFitParams, RangeModel, Ranged, range_fit};
+use adit_estimation::radio::signal_fit::{SignalFitParams, signal_fit};
+use adit_estimation::radio::trilateration::{linear_ranges, linear_signals};
+use adit_estimation::radio::{
+    AreaPrior, Emitter, Heard, Lattice, MapParams, PlaceFix, RadioFix, RadioMap, Reading,
+};
+use adit_tuning::fingerprint::lattice_around;
+use adit_tuning::radio::Site;
+use adit_tuning::radio::path_loss::{self, PathLossFit, PathLossParams};
+use adit_tuning::radio::ranges::{self, RangesFit};
+use anyhow::{Context, Result};
+
+/// People may be this far from where the survey was, m.
+const MARGIN_M: f64 = 1.0;
+/// From place to place over the extent of walks, m.
+const WALK_STEP_M: f64 = 0.5;
+
+/// The fits of one set of data.
+pub struct SiteModels {
+    /// Path loss.
+    pub fit: PathLossFit,
+    /// Ranges, where the data has some.
+    pub ranges: Option<RangesFit>,
+    /// Where people are.
+    pub area: AreaPrior,
+    sites: Vec<Option<Site>>,
+    height_m: f64,
+    map: RadioMap,
+    range_map: Option<RadioMap>,
+}
+
+impl SiteModels {
+    /// Fits everything.
+    pub fn new(data: &RadioData, sites: &[Option<Site>]) -> Result<Self> {
+        let fit = path_loss::fit(&data.strengths(), sites, &PathLossParams::default())?;
+        let ranged = data.ranges();
+        let ranges = if ranged.is_empty() { None } else { Some(ranges::fit(&ranged, sites)?) };
+        let spots = data.spots();
+        let places: Vec<Vector2<f64>> = spots.iter().map(|(place, _)| *place).collect();
+        let area = AreaPrior::of(&places, MARGIN_M).context("no spots")?;
+        let height_m = data.height_m();
+        let lattice = lattice(data, sites)?;
+        // A transmitter whose place is not known is expected everywhere alike: it tells nothing.
+        let emitters: Vec<(Emitter, Option<i32>)> = fit
+            .emitters
+            .iter()
+            .zip(sites)
+            .map(|(emitter, site)| (emitter.unwrap_or(NOWHERE), site.and_then(|site| site.floor)))
+            .collect();
+        let map = RadioMap::of_emitters(lattice.clone(), &emitters, height_m, &fit.storeys, &fit.hearing);
+        let map = map.context("no transmitters")?;
+        let range_map = ranges.as_ref().and_then(|ranges| {
+            let devices: Vec<_> = ranges
+                .models
+                .iter()
+                .zip(sites)
+                .map(|(model, site)| {
+                    let position_m = site.map_or(NOWHERE.position_m, |site| site.position_m);
+                    (position_m, model.unwrap_or(RangeModel { offset_m: 0.0, scale: 1.0, sigma_m: 1e6 }))
+                })
+                .collect();
+            RadioMap::of_ranges(lattice, &devices, height_m)
+        });
+        Ok(Self { fit, ranges, area, sites: sites.to_vec(), height_m, map, range_map })
+    }
+
+    /// The methods that stand on a path loss.
+    pub fn contestants(&self) -> Vec<Contestant<'_>> {
+        let plain = |name, method: fn(&Self, &[Heard<'_>]) -> Option<RadioFix>| {
+            self.in_plane(name, Uses::Strengths, move |readings| method(self, &self.heard(readings)))
+        };
+        let mut all = vec![
+            plain("centroid", |_, heard| centroid(heard, CentroidWeight::Equal)),
+            plain("weighted centroid", |_, heard| centroid(heard, CentroidWeight::InverseRange)),
+            plain("inner points", |site, heard| site.inner(heard, InnerWeight::Equal)),
+            plain("inner points, 1/r", |site, heard| site.inner(heard, InnerWeight::InverseRange)),
+            plain("inner points, S1", |site, heard| site.inner(heard, InnerWeight::RangeOverStrength)),
+            plain("trilateration, linear", |site, heard| linear_signals(heard, site.height_m)),
+            plain("robust fit, no area", |site, heard| site.robust(heard, None)),
+            plain("robust fit", |site, heard| site.robust(heard, Some(&site.area))),
+            Contestant {
+                name: "path-loss map",
+                uses: Uses::Strengths,
+                fix: Box::new(|readings| self.map.fix(readings, &MapParams::SCAN)),
+            },
+        ];
+        if let (Some(ranges), Some(map)) = (&self.ranges, &self.range_map) {
+            let ranged = move |readings: &[Reading], raw: bool| -> Vec<Ranged> {
+                let one = |reading: &Reading| {
+                    let position_m = self.sites.get(reading.transmitter)?.as_ref()?.position_m;
+                    let model = ranges.models.get(reading.transmitter).copied().flatten()?;
+                    let model = if raw { RangeModel { offset_m: 0.0, scale: 1.0, ..model } } else { model };
+                    Some(Ranged { position_m, model, range_m: reading.value })
+                };
+                readings.iter().filter_map(one).collect()
+            };
+            let fit = move |readings: &[Reading], area: Option<&AreaPrior>| {
+                let params = RangeFitParams { height_m: self.height_m, ..RangeFitParams::default() };
+                range_fit(&ranged(readings, false), area, &params)
+            };
+            all.push(self.in_plane("ranges, linear, as read", Uses::Ranges, move |readings| {
+                linear_ranges(&ranged(readings, true), self.height_m)
+            }));
+            all.push(self.in_plane("ranges, robust fit, no area", Uses::Ranges, move |readings| {
+                fit(readings, None)
+            }));
+            all.push(self.in_plane("ranges, robust fit", Uses::Ranges, move |readings| {
+                fit(readings, Some(&self.area))
+            }));
+            all.push(Contestant {
+                name: "ranges, map",
+                uses: Uses::Ranges,
+                fix: Box::new(|readings| map.fix(readings, &MapParams::RANGES)),
+            });
+        }
+        all
+    }
+
+    /// The methods that follow a walk.
+    pub fn followers(&self, data: &RadioData) -> Vec<Follower<'_>> {
+        if !walks(data) {
+            return Vec::new();
+        }
+        vec![
+            Follower { name: "path-loss walk", map: &self.map, smoothed: false },
+            Follower { name: "path-loss walk, smoothed", map: &self.map, smoothed: true },
+        ]
+    }
+
+    fn heard(&self, readings: &[Reading]) -> Vec<Heard<'_>> {
+        let one = |reading: &Reading| {
+            let emitter = self.fit.emitters.get(reading.transmitter)?.as_ref()?;
+            Some(Heard { emitter, rssi_dbm: reading.value })
+        };
+        readings.iter().filter_map(one).collect()
+    }
+
+    fn inner(&self, heard: &[Heard<'_>], weight: InnerWeight) -> Option<RadioFix> {
+        inner_points(heard, &CircleParams { weight, height_m: self.height_m, ..CircleParams::default() })
+    }
+
+    fn robust(&self, heard: &[Heard<'_>], area: Option<&AreaPrior>) -> Option<RadioFix> {
+        signal_fit(heard, area, &SignalFitParams { height_m: self.height_m, ..SignalFitParams::default() })
+    }
+
+    /// A method in the plane takes the floor of the strongest, or of the nearest, transmitter.
+    fn in_plane<'a>(
+        &'a self,
+        name: &'static str,
+        uses: Uses,
+        method: impl Fn(&[Reading]) -> Option<RadioFix> + Send + Sync + 'a,
+    ) -> Contestant<'a> {
+        let sign = if uses == Uses::Strengths { 1.0 } else { -1.0 };
+        let floor = move |readings: &[Reading]| {
+            let nearest = readings.iter().max_by(|a, b| (sign * a.value).total_cmp(&(sign * b.value)))?;
+            self.sites.get(nearest.transmitter)?.as_ref()?.floor
+        };
+        let fix = move |readings: &[Reading]| {
+            let floor = floor(readings).unwrap_or_default();
+            Some(PlaceFix { fix: method(readings)?, floor, floor_share: 1.0 })
+        };
+        Contestant { name, uses, fix: Box::new(fix) }
+    }
+}
+
+/// So far away that it is the same from everywhere.
+const NOWHERE: Emitter = Emitter {
+    position_m: adit_core::nalgebra::Vector3::new(0.0, 0.0, 1e6),
+    path_loss: adit_estimation::radio::PathLoss {
+        rssi_at_1m_dbm: 0.0,
+        exponent: 2.0,
+        breakpoint_m: None,
+        exponent_beyond: None,
+    },
+    sigma_db: 100.0,
+};
+
+/// Where people may be: around the spots of surveys; over all the extent of walks and transmitters, since a walk shows
+/// where one person went.
+pub fn lattice(data: &RadioData, sites: &[Option<Site>]) -> Result<Lattice> {
+    let spots = data.spots();
+    if !walks(data) {
+        return lattice_around(&spots).context("the spots of the survey are too far apart for a map");
+    }
+    let devices = sites.iter().flatten().map(|site| site.position_m.xy());
+    let all: Vec<Vector2<f64>> = spots.iter().map(|(place, _)| *place).chain(devices).collect();
+    let first = all.first().copied().unwrap_or_default();
+    let low = all.iter().fold(first, |low, place| low.inf(place)).add_scalar(-MARGIN_M);
+    let high = all.iter().fold(first, |high, place| high.sup(place)).add_scalar(MARGIN_M);
+    Lattice::within(&low, &high, WALK_STEP_M).with_context(|| {
+        format!("the walks and transmitters extend over {:.0} by {:.0} m", high.x - low.x, high.y - low.y)
+    })
+}
