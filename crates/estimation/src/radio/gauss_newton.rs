@@ -119,8 +119,17 @@ pub fn solve(
             }
         }
     }
-    // The offset's uncertainty is in the block of the place. Outliers have lost their weight.
-    let covariance = here.matrix.cholesky()?.inverse();
+    // Information of a reading whose errors have long tails, in the mean (Lange, Little & Taylor 1989, appendix B): the weights of this one
+    // sample would make good luck look like certainty. The offset's uncertainty is in the block of the place.
+    let mut information_here = Matrix3::zeros();
+    information_here.fixed_view_mut::<2, 2>(0, 0).copy_from(&information);
+    information_here[(2, 2)] = offset_information;
+    let expected = (problem.dof + 1.0) / (problem.dof + 3.0);
+    for index in 0..count {
+        let Residual { gradient, .. } = residual(index, &position, offset);
+        information_here += gradient * gradient.transpose() * expected;
+    }
+    let covariance = information_here.cholesky()?.inverse();
     let finite = position.iter().all(|value| value.is_finite()) && here.cost.is_finite();
     finite.then(|| Minimum {
         position_m: position,

@@ -8,7 +8,8 @@
 //! μ, σ: mean and standard deviation of a reading (dBm, or m for ranges); h: probability that a scan hears it. The offset c of the tag is the
 //! best at each place. Student's t keeps one wrong reading from ruling out the truth. Whether a transmitter is heard depends on tag,
 //! case and body more than the level does, and such events come together: they count with the weight ω.
-//! The fix is mean and covariance of `exp L` on the likeliest floor.
+//! The fix is mean and covariance of `exp λL` on the likeliest floor; λ ≤ 1 where errors of several transmitters go together. How readings are believed
+//! ([`MapParams`]) is best learnt from the survey itself: `adit_tuning::radio::belief`.
 //!
 //! The readings may be strengths or round-trip ranges; the map may come of a path loss ([`RadioMap::of_emitters`]), of range models
 //! ([`RadioMap::of_ranges`]) or of fingerprints (`adit_tuning::fingerprint`).
@@ -40,15 +41,17 @@ pub struct MapParams {
     pub offset_sigma: f64,
     /// Weight ω of hearing and not hearing; 0 where the readings are no whole scan.
     pub heard_weight: f64,
+    /// How much of the whole is believed, above 0 to 1: less where errors of transmitters go together.
+    pub share: f64,
 }
 
 impl MapParams {
-    /// For scans of signal strengths.
-    pub const SCAN: Self = Self { dof: 4.0, offset_sigma: 3.0, heard_weight: 0.5 };
+    /// For scans of signal strengths, before a survey has told better.
+    pub const SCAN: Self = Self { dof: 4.0, offset_sigma: 3.0, heard_weight: 0.5, share: 1.0 };
     /// For ranges.
-    pub const RANGES: Self = Self { dof: 4.0, offset_sigma: 0.0, heard_weight: 0.0 };
+    pub const RANGES: Self = Self { dof: 4.0, offset_sigma: 0.0, heard_weight: 0.0, share: 1.0 };
     /// For packets that come one by one.
-    pub const PACKETS: Self = Self { dof: 4.0, offset_sigma: 0.0, heard_weight: 0.0 };
+    pub const PACKETS: Self = Self { dof: 4.0, offset_sigma: 0.0, heard_weight: 0.0, share: 1.0 };
 }
 
 /// A position, the floor, and how sure the floor is.
@@ -220,7 +223,7 @@ impl RadioMap {
                 log += params.heard_weight * f64::from(cell.log_odds) - f64::from(cell.ln_sigma);
             }
             log += strengths(&errors, params);
-            log_likelihood.push(log);
+            log_likelihood.push(params.share * log);
         }
     }
 

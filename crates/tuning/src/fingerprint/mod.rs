@@ -21,11 +21,11 @@ mod scales;
 pub use scales::{FieldScales, Search};
 
 use crate::error::TuningError;
-use crate::radio::{Site, SpotMeans, SurveyedScan, by_spot};
+use crate::radio::{Site, SpotMeans, SurveyedScan, belief, by_spot};
 use adit_core::nalgebra::Vector2;
 use adit_estimation::radio::map::Expected;
 use adit_estimation::radio::nearest::Fingerprints;
-use adit_estimation::radio::{Lattice, RadioMap};
+use adit_estimation::radio::{Lattice, MapParams, RadioMap};
 use process::Process;
 use rayon::prelude::*;
 
@@ -81,6 +81,8 @@ pub struct FingerprintFit {
     pub fingerprints: Fingerprints,
     /// Scales of the processes.
     pub scales: FieldScales,
+    /// How far to believe the map; not learnt of single packets.
+    pub belief: MapParams,
 }
 
 /// Where a map may put people: around the spots of a survey, as dense as the survey.
@@ -115,6 +117,29 @@ pub fn fit(
     let spread = within_spots(&spots);
     let scales = scales::search(&spots, sites, params, spread)
         .ok_or(TuningError::TooFewReadings { sensor: "radio", found: spots.len(), expected: 10 })?;
+    let empty = || TuningError::TooFewReadings { sensor: "radio", found: 0, expected: 1 };
+    let ranges = params.kind == ReadingKind::Range;
+    let belief = match belief::fold(scans, params.cell_m) {
+        Some((kept, judged)) => {
+            let kept = by_spot(&kept, sites.len(), params.cell_m);
+            let map = map(&kept, sites, lattice.clone(), params, &scales).ok_or_else(empty)?;
+            belief::learn(&map, &judged, ranges)
+        }
+        None if ranges => MapParams::RANGES,
+        None => MapParams::PACKETS,
+    };
+    let map = map(&spots, sites, lattice, params, &scales).ok_or_else(empty)?;
+    Ok(FingerprintFit { map, fingerprints: fingerprints(&spots, sites.len()), scales, belief })
+}
+
+/// The map of spots by processes of known scales.
+fn map(
+    spots: &[SpotMeans],
+    sites: &[Option<Site>],
+    lattice: Lattice,
+    params: &FingerprintParams,
+    scales: &FieldScales,
+) -> Option<RadioMap> {
     let places: Vec<(Vector2<f64>, i32)> = lattice.iter().collect();
     let floors = lattice.floors().to_vec();
     let fields: Vec<Vec<Expected>> = (0..sites.len())
@@ -123,21 +148,17 @@ pub fn fit(
             let mut field =
                 vec![Expected { mean: UNHEARD_DBM, sigma: UNHEARD_SIGMA_DB, heard: 0.0 }; places.len()];
             for floor in &floors {
-                let process = Process::new(&spots, transmitter, sites[transmitter], *floor, params, &scales);
-                let process = process.filter(|process| process.spots() >= FEWEST_SPOTS);
+                let process = Process::new(spots, transmitter, sites[transmitter], *floor, params, scales);
+                let Some(process) = process.filter(|process| process.spots() >= FEWEST_SPOTS) else { continue };
                 for (expected, (place, at)) in field.iter_mut().zip(&places).filter(|(_, (_, at))| at == floor) {
-                    if let Some(process) = &process {
-                        (expected.mean, expected.sigma) = process.predict(place, *at);
-                    }
+                    (expected.mean, expected.sigma) = process.predict(place, *at);
                 }
             }
-            hear(&spots, transmitter, &places, params, &mut field);
+            hear(spots, transmitter, &places, params, &mut field);
             field
         })
         .collect();
-    let map = RadioMap::new(lattice, sites.len(), |place, transmitter| fields[transmitter][place]);
-    let map = map.ok_or(TuningError::TooFewReadings { sensor: "radio", found: 0, expected: 1 })?;
-    Ok(FingerprintFit { map, fingerprints: fingerprints(&spots, sites.len()), scales })
+    RadioMap::new(lattice, sites.len(), |place, transmitter| fields[transmitter][place])
 }
 
 /// The means of the spots as they are, for nearest neighbours.

@@ -2,6 +2,7 @@
 //!
 //! Both are straight lines for each transmitter, fitted together: `y = a_i + b_i x`, see [`pooled`].
 
+pub mod belief;
 pub mod hearing;
 pub mod path_loss;
 pub mod pooled;
@@ -73,13 +74,7 @@ pub fn by_spot(scans: &[SurveyedScan], transmitters: usize, cell_m: f64) -> Vec<
     let mut spots: Vec<SpotMeans> = Vec::new();
     let mut known = std::collections::HashMap::new();
     for scan in scans {
-        #[expect(clippy::cast_possible_truncation, reason = "saturates: spots so far out fall together")]
-        let key = (
-            (scan.position_m.x / cell_m).floor() as i64,
-            (scan.position_m.y / cell_m).floor() as i64,
-            scan.floor,
-        );
-        let index = *known.entry(key).or_insert_with(|| {
+        let index = *known.entry(spot_key(scan, cell_m)).or_insert_with(|| {
             spots.push(SpotMeans {
                 position_m: Vector3::zeros(),
                 floor: scan.floor,
@@ -104,4 +99,11 @@ pub fn by_spot(scans: &[SurveyedScan], transmitters: usize, cell_m: f64) -> Vec<
         }
     }
     spots
+}
+
+/// The square and floor in which a scan was made.
+fn spot_key(scan: &SurveyedScan, cell_m: f64) -> (i64, i64, i32) {
+    #[expect(clippy::cast_possible_truncation, reason = "saturates: spots so far out fall together")]
+    let square = |value: f64| (value / cell_m).floor() as i64;
+    (square(scan.position_m.x), square(scan.position_m.y), scan.floor)
 }

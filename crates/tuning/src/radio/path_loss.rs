@@ -74,29 +74,8 @@ pub fn fit(
     sites: &[Option<Site>],
     params: &PathLossParams,
 ) -> Result<PathLossFit, TuningError> {
-    let spots = by_spot(scans, sites.len(), params.cell_m);
-    let mut records = Vec::new();
-    let weakest = spots
-        .iter()
-        .flat_map(|spot| &spot.readings)
-        .filter(|reading| reading.count > 0)
-        .map(|reading| reading.mean)
-        .collect::<Vec<_>>();
-    let read = weakest.len();
-    let limit = crate::robust::quantile(&mut weakest.clone(), 0.02).unwrap_or(HEARING.half_dbm);
-    for spot in &spots {
-        for (group, (reading, site)) in spot.readings.iter().zip(sites).enumerate() {
-            let Some(site) = site else { continue };
-            let (distance, floors) = site.away(&spot.position_m, spot.floor, params.storey_m);
-            let value = match reading.count {
-                0 if spot.whole_scans > 0 => Value::Below(limit),
-                0 => continue,
-                _ => Value::Read(reading.mean),
-            };
-            let x = -10.0 * distance.max(NEAREST_M).log10();
-            records.push(Record { group, x, shared: [-floors, 0.0], value });
-        }
-    }
+    let mut records = records(scans, sites, params);
+    let read = records.iter().filter(|record| matches!(record.value, Value::Read(_))).count();
     let lines_params = PooledParams {
         dof: params.dof,
         line: LINE,
@@ -108,6 +87,16 @@ pub fn fit(
     if read < FEWEST {
         return Err(few());
     }
+    // First by what was heard alone; that tells where hearing ends, and then silence counts too.
+    let heard: Vec<Record> =
+        records.iter().filter(|record| matches!(record.value, Value::Read(_))).copied().collect();
+    let first = fit_lines(&heard, sites.len(), &lines_params).ok_or_else(few)?;
+    let limit = hear(&records, &first, params).half_dbm;
+    for record in &mut records {
+        if let Value::Below(below) = &mut record.value {
+            *below = limit;
+        }
+    }
     let one = fit_lines(&records, sites.len(), &lines_params).ok_or_else(few)?;
     let two = if params.two_slopes { second_slope(&mut records, sites.len(), &lines_params, &one) } else { None };
     let (lines, breakpoint_m) = match two {
@@ -117,9 +106,7 @@ pub fn fit(
             (one, None)
         }
     };
-    let pairs: Vec<(f64, bool)> =
-        records.iter().map(|r| (lines.mean(r), matches!(r.value, Value::Read(_)))).collect();
-    let hearing = hearing::fit(&pairs, params.missed).unwrap_or(HEARING);
+    let hearing = hear(&records, &lines, params);
     let emitter = |(site, [at_1m, exponent]): (&Option<Site>, &[f64; 2])| {
         site.map(|site| Emitter {
             position_m: site.position_m,
@@ -142,6 +129,33 @@ pub fn fit(
         hearing,
         values: read,
     })
+}
+
+/// What every known transmitter read at every spot, or that it did not.
+fn records(scans: &[SurveyedScan], sites: &[Option<Site>], params: &PathLossParams) -> Vec<Record> {
+    let spots = by_spot(scans, sites.len(), params.cell_m);
+    let mut records = Vec::new();
+    for spot in &spots {
+        for (group, (reading, site)) in spot.readings.iter().zip(sites).enumerate() {
+            let Some(site) = site else { continue };
+            let (distance, floors) = site.away(&spot.position_m, spot.floor, params.storey_m);
+            let value = match reading.count {
+                0 if spot.whole_scans > 0 => Value::Below(HEARING.half_dbm),
+                0 => continue,
+                _ => Value::Read(reading.mean),
+            };
+            let x = -10.0 * distance.max(NEAREST_M).log10();
+            records.push(Record { group, x, shared: [-floors, 0.0], value });
+        }
+    }
+    records
+}
+
+/// Which strengths are heard, by lines that say how strong everything is.
+fn hear(records: &[Record], lines: &PooledLines, params: &PathLossParams) -> Hearing {
+    let pairs: Vec<(f64, bool)> =
+        records.iter().map(|r| (lines.mean(r), matches!(r.value, Value::Read(_)))).collect();
+    hearing::fit(&pairs, params.missed).unwrap_or(HEARING)
 }
 
 /// The best breakpoint of some, where it is worth its numbers.

@@ -24,6 +24,11 @@ struct FingerprintFile<'a> {
     /// What ranges to expect where, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     ranges: Option<&'a RadioMap>,
+    /// How far to believe the strengths.
+    belief: MapParams,
+    /// How far to believe the ranges.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_belief: Option<MapParams>,
     /// The spots as surveyed.
     fingerprints: &'a Fingerprints,
 }
@@ -37,6 +42,8 @@ struct Report<'a> {
     step_m: f64,
     scales: FieldScales,
     range_scales: Option<FieldScales>,
+    belief: MapParams,
+    range_belief: Option<MapParams>,
     judged: &'a [Table],
 }
 
@@ -62,18 +69,18 @@ impl SiteMaps {
             let fix = move |readings: &[Reading]| self.strengths.fingerprints.nearest(readings, &params);
             Contestant { name, uses: Uses::Strengths, fix: Box::new(fix) }
         };
-        let on_map = |name, uses, map: &'_ RadioMap, params: MapParams| {
-            let map = map.clone();
+        let on_map = |name, uses, fit: &FingerprintFit| {
+            let (map, params) = (fit.map.clone(), fit.belief);
             let fix = move |readings: &[Reading]| -> Option<PlaceFix> { map.fix(readings, &params) };
             Contestant { name, uses, fix: Box::new(fix) }
         };
         let mut all = vec![
             nearest("nearest 5", false),
             nearest("nearest 5, weighted", true),
-            on_map("process map", Uses::Strengths, &self.strengths.map, MapParams::SCAN),
+            on_map("process map", Uses::Strengths, &self.strengths),
         ];
         if let Some(ranges) = &self.ranges {
-            all.push(on_map("ranges, process map", Uses::Ranges, &ranges.map, MapParams::RANGES));
+            all.push(on_map("ranges, process map", Uses::Ranges, ranges));
         }
         all
     }
@@ -111,6 +118,8 @@ pub fn run(args: &CalibrateFingerprintArgs) -> Result<()> {
         transmitters: all.transmitters.iter().map(adit_observation::DeviceId::as_str).collect(),
         strengths: &maps.strengths.map,
         ranges: maps.ranges.as_ref().map(|ranges| &ranges.map),
+        belief: maps.strengths.belief,
+        range_belief: maps.ranges.as_ref().map(|ranges| ranges.belief),
         fingerprints: &maps.strengths.fingerprints,
     };
     let text = serde_json::to_string(&file)? + "\n";
@@ -123,6 +132,8 @@ pub fn run(args: &CalibrateFingerprintArgs) -> Result<()> {
             step_m: lattice.step_m(),
             scales: maps.strengths.scales,
             range_scales: maps.ranges.as_ref().map(|ranges| ranges.scales),
+            belief: maps.strengths.belief,
+            range_belief: maps.ranges.as_ref().map(|ranges| ranges.belief),
             judged: &tables,
         };
         serde_json::to_string_pretty(&report)? + "\n"
@@ -143,19 +154,25 @@ fn table(all: &RadioData, maps: &SiteMaps, tables: &[Table]) -> Result<String> {
         lattice.step_m(),
         maps.strengths.fingerprints.spots.len()
     )?;
-    let mut scales = |name: &str, unit: &str, s: &FieldScales| {
+    let mut say = |name: &str, unit: &str, fit: &FingerprintFit| {
+        let (s, b) = (&fit.scales, &fit.belief);
         writeln!(
             text,
-            "{name:12} shadowing {:.1} {unit} over {:.1} m, spot {:.1} {unit}, reading {:.1} {unit}",
+            "{name:12} shadowing {:.1} {unit} over {:.1} m, spot {:.1} {unit}, reading {:.1} {unit}\n\
+             believed     tails of {} degrees of freedom, tag ± {:.1} {unit}, silence {:.1}, share {:.2}",
             s.shadowing_sigma,
             s.length_m,
             s.spot_sigma,
-            s.within.sqrt()
+            s.within.sqrt(),
+            b.dof,
+            b.offset_sigma,
+            b.heard_weight,
+            b.share
         )
     };
-    scales("strengths", "dB", &maps.strengths.scales)?;
+    say("strengths", "dB", &maps.strengths)?;
     if let Some(ranges) = &maps.ranges {
-        scales("ranges", "m", &ranges.scales)?;
+        say("ranges", "m", ranges)?;
     }
     let floors = lattice.floors().len() > 1;
     for judged in tables {

@@ -13,7 +13,7 @@ use adit_estimation::radio::{
     AreaPrior, Emitter, Heard, Lattice, MapParams, PlaceFix, RadioFix, RadioMap, Reading,
 };
 use adit_tuning::fingerprint::lattice_around;
-use adit_tuning::radio::Site;
+use adit_tuning::radio::{Site, belief};
 use adit_tuning::radio::path_loss::{self, PathLossFit, PathLossParams};
 use adit_tuning::radio::ranges::{self, RangesFit};
 use anyhow::{Context, Result};
@@ -34,42 +34,46 @@ pub struct SiteModels {
     sites: Vec<Option<Site>>,
     height_m: f64,
     map: RadioMap,
-    range_map: Option<RadioMap>,
+    belief: MapParams,
+    range_map: Option<(RadioMap, MapParams)>,
 }
 
 impl SiteModels {
     /// Fits everything.
     pub fn new(data: &RadioData, sites: &[Option<Site>]) -> Result<Self> {
-        let fit = path_loss::fit(&data.strengths(), sites, &PathLossParams::default())?;
-        let ranged = data.ranges();
+        let (scans, ranged) = (data.strengths(), data.ranges());
+        let fit = path_loss::fit(&scans, sites, &PathLossParams::default())?;
         let ranges = if ranged.is_empty() { None } else { Some(ranges::fit(&ranged, sites)?) };
-        let spots = data.spots();
-        let places: Vec<Vector2<f64>> = spots.iter().map(|(place, _)| *place).collect();
+        let places: Vec<Vector2<f64>> = data.spots().iter().map(|(place, _)| *place).collect();
         let area = AreaPrior::of(&places, MARGIN_M).context("no spots")?;
         let height_m = data.height_m();
         let lattice = lattice(data, sites)?;
-        // A transmitter whose place is not known is expected everywhere alike: it tells nothing.
-        let emitters: Vec<(Emitter, Option<i32>)> = fit
-            .emitters
-            .iter()
-            .zip(sites)
-            .map(|(emitter, site)| (emitter.unwrap_or(NOWHERE), site.and_then(|site| site.floor)))
-            .collect();
-        let map = RadioMap::of_emitters(lattice.clone(), &emitters, height_m, &fit.storeys, &fit.hearing);
-        let map = map.context("no transmitters")?;
-        let range_map = ranges.as_ref().and_then(|ranges| {
-            let devices: Vec<_> = ranges
-                .models
-                .iter()
-                .zip(sites)
-                .map(|(model, site)| {
-                    let position_m = site.map_or(NOWHERE.position_m, |site| site.position_m);
-                    (position_m, model.unwrap_or(RangeModel { offset_m: 0.0, scale: 1.0, sigma_m: 1e6 }))
-                })
-                .collect();
-            RadioMap::of_ranges(lattice, &devices, height_m)
-        });
-        Ok(Self { fit, ranges, area, sites: sites.to_vec(), height_m, map, range_map })
+        let map_of = |fit: &PathLossFit| map_of(lattice.clone(), fit, sites, height_m).context("no transmitters");
+        let range_map_of = |fit: &RangesFit| {
+            range_map_of(lattice.clone(), fit, sites, height_m).context("no devices with ranges")
+        };
+        // How far to believe them is learnt from spots that the fit has not seen.
+        let belief = match belief::fold(&scans, PathLossParams::default().cell_m) {
+            Some((kept, judged)) => {
+                let fit = path_loss::fit(&kept, sites, &PathLossParams::default())?;
+                belief::learn(&map_of(&fit)?, &judged, false)
+            }
+            None => MapParams { heard_weight: 0.0, ..MapParams::SCAN },
+        };
+        let range_map = match &ranges {
+            Some(fit) => {
+                let belief = match belief::fold(&ranged, PathLossParams::default().cell_m) {
+                    Some((kept, judged)) => {
+                        belief::learn(&range_map_of(&ranges::fit(&kept, sites)?)?, &judged, true)
+                    }
+                    None => MapParams::RANGES,
+                };
+                Some((range_map_of(fit)?, belief))
+            }
+            None => None,
+        };
+        let map = map_of(&fit)?;
+        Ok(Self { fit, ranges, area, sites: sites.to_vec(), height_m, map, belief, range_map })
     }
 
     /// The methods that stand on a path loss.
@@ -78,21 +82,23 @@ impl SiteModels {
             self.in_plane(name, Uses::Strengths, move |readings| method(self, &self.heard(readings)))
         };
         let mut all = vec![
-            plain("centroid", |_, heard| centroid(heard, CentroidWeight::Equal)),
+            plain("centroid of 3", |_, heard| centroid(&strongest(heard, 3), CentroidWeight::Equal)),
             plain("weighted centroid", |_, heard| centroid(heard, CentroidWeight::InverseRange)),
             plain("inner points", |site, heard| site.inner(heard, InnerWeight::Equal)),
             plain("inner points, 1/r", |site, heard| site.inner(heard, InnerWeight::InverseRange)),
             plain("inner points, S1", |site, heard| site.inner(heard, InnerWeight::RangeOverStrength)),
-            plain("trilateration, linear", |site, heard| linear_signals(heard, site.height_m)),
+            plain("trilateration, linear", |site, heard| {
+                linear_signals(&strongest(heard, 5), site.height_m)
+            }),
             plain("robust fit, no area", |site, heard| site.robust(heard, None)),
             plain("robust fit", |site, heard| site.robust(heard, Some(&site.area))),
             Contestant {
                 name: "path-loss map",
                 uses: Uses::Strengths,
-                fix: Box::new(|readings| self.map.fix(readings, &MapParams::SCAN)),
+                fix: Box::new(|readings| self.map.fix(readings, &self.belief)),
             },
         ];
-        if let (Some(ranges), Some(map)) = (&self.ranges, &self.range_map) {
+        if let (Some(ranges), Some((map, belief))) = (&self.ranges, &self.range_map) {
             let ranged = move |readings: &[Reading], raw: bool| -> Vec<Ranged> {
                 let one = |reading: &Reading| {
                     let position_m = self.sites.get(reading.transmitter)?.as_ref()?.position_m;
@@ -118,7 +124,7 @@ impl SiteModels {
             all.push(Contestant {
                 name: "ranges, map",
                 uses: Uses::Ranges,
-                fix: Box::new(|readings| map.fix(readings, &MapParams::RANGES)),
+                fix: Box::new(|readings| map.fix(readings, belief)),
             });
         }
         all
@@ -169,6 +175,34 @@ impl SiteModels {
         };
         Contestant { name, uses, fix: Box::new(fix) }
     }
+}
+
+/// The strongest of those heard.
+fn strongest<'a>(heard: &[Heard<'a>], count: usize) -> Vec<Heard<'a>> {
+    let mut sorted = heard.to_vec();
+    sorted.sort_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm));
+    sorted.truncate(count);
+    sorted
+}
+
+/// A transmitter whose place is not known is expected everywhere alike: it tells nothing.
+fn map_of(lattice: Lattice, fit: &PathLossFit, sites: &[Option<Site>], height_m: f64) -> Option<RadioMap> {
+    let emitters: Vec<(Emitter, Option<i32>)> = fit
+        .emitters
+        .iter()
+        .zip(sites)
+        .map(|(emitter, site)| (emitter.unwrap_or(NOWHERE), site.and_then(|site| site.floor)))
+        .collect();
+    RadioMap::of_emitters(lattice, &emitters, height_m, &fit.storeys, &fit.hearing)
+}
+
+fn range_map_of(lattice: Lattice, fit: &RangesFit, sites: &[Option<Site>], height_m: f64) -> Option<RadioMap> {
+    let unknown = RangeModel { offset_m: 0.0, scale: 1.0, sigma_m: 1e6 };
+    let device = |(model, site): (&Option<RangeModel>, &Option<Site>)| {
+        (site.map_or(NOWHERE.position_m, |site| site.position_m), model.unwrap_or(unknown))
+    };
+    let devices: Vec<_> = fit.models.iter().zip(sites).map(device).collect();
+    RadioMap::of_ranges(lattice, &devices, height_m)
 }
 
 /// So far away that it is the same from everywhere.
