@@ -6,8 +6,9 @@
 //! 2 (p_i − p_1)ᵀ p = ‖p_i‖² − ‖p_1‖² − r_i² + r_1²
 //! ```
 //!
-//! The first is the nearest. Plain and closed; every error of the first circle is in all equations, and far transmitters, whose radii
-//! are worst, count most. In a row of transmitters the lines are parallel: the solution along the roadway is taken then.
+//! The first is the nearest. Each equation weighs one over the variance `4 r_i² σ_i²` that its own radius gives it: without that, far transmitters, whose
+//! radii are worst, would count most. The error of the first circle is in all equations all the same. In a row of transmitters the lines
+//! are parallel: the solution along the roadway is taken then.
 
 use super::line::{across, row};
 use super::range_fit::Ranged;
@@ -50,10 +51,14 @@ fn solve(mut circles: Vec<Circle>) -> Option<RadioFix> {
         let value = (centre - first.0).norm_squared() - radius * radius + first.1 * first.1;
         (line, value)
     };
+    let weight = |circle: &Circle| {
+        let own = 2.0 * circle.1 * circle.2;
+        1.0 / (own * own).max(1e-6)
+    };
     for circle in rest {
         let (line, value) = lines(circle);
-        normal += line * line.transpose();
-        right += line * value;
+        normal += line * line.transpose() * weight(circle);
+        right += line * (value * weight(circle));
     }
     if let Some(along) = in_row {
         // Across the row nothing is known but the nearest radius.
@@ -69,7 +74,7 @@ fn solve(mut circles: Vec<Circle>) -> Option<RadioFix> {
     let mut covariance_m2 = Matrix2::zeros();
     let mut by_first = Vector2::zeros();
     for circle in rest {
-        let gain = solved.solve(&lines(circle).0);
+        let gain = solved.solve(&lines(circle).0) * weight(circle);
         let by_this = gain * (-2.0 * circle.1 * circle.2);
         covariance_m2 += by_this * by_this.transpose();
         by_first += gain * (2.0 * first.1 * first.2);

@@ -106,7 +106,8 @@ fn weigh(weights: &mut [f64], log_likelihood: &[f64], share: f64) {
         return;
     }
     for (weight, log) in weights.iter_mut().zip(log_likelihood) {
-        *weight *= libm::exp(share * (log - best));
+        // A likelihood that is no number is none.
+        *weight *= if log.is_nan() { 0.0 } else { libm::exp(share * (log - best)) };
     }
     let total: f64 = weights.iter().sum();
     let floor = ANYWHERE / weights.len() as f64;

@@ -18,7 +18,8 @@ const SCANS_AT_SPOT: usize = 3;
 const MOST_SCANS: usize = 150;
 
 const DOFS: [f64; 4] = [3.0, 5.0, 9.0, 30.0];
-const OFFSETS_DB: [f64; 4] = [0.0, 1.5, 3.0, 5.0];
+/// None below 1.5 dB: a survey is made with one tag and cannot tell how the next one differs from it.
+const OFFSETS_DB: [f64; 3] = [1.5, 3.0, 5.0];
 const HEARD_WEIGHTS: [f64; 3] = [0.0, 0.3, 0.6];
 const SHARES: [f64; 7] = [1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2];
 

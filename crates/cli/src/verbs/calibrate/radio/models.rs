@@ -141,12 +141,24 @@ impl SiteModels {
         ]
     }
 
+    /// The transmitters on the floor of the strongest: what comes through a floor is no circle in the plane.
     fn heard(&self, readings: &[Reading]) -> Vec<Heard<'_>> {
+        let floor = self.nearest_floor(readings, Uses::Strengths);
         let one = |reading: &Reading| {
             let emitter = self.fit.emitters.get(reading.transmitter)?.as_ref()?;
-            Some(Heard { emitter, rssi_dbm: reading.value })
+            let on = self.sites.get(reading.transmitter)?.as_ref()?.floor;
+            (on == floor).then_some(Heard { emitter, rssi_dbm: reading.value })
         };
         readings.iter().filter_map(one).collect()
+    }
+
+    /// Floor of the strongest, or of the nearest, transmitter.
+    fn nearest_floor(&self, readings: &[Reading], uses: Uses) -> Option<i32> {
+        let sign = if uses == Uses::Strengths { 1.0 } else { -1.0 };
+        let known = readings.iter().filter_map(|reading| {
+            Some((sign * reading.value, self.sites.get(reading.transmitter)?.as_ref()?.floor))
+        });
+        known.max_by(|a, b| a.0.total_cmp(&b.0))?.1
     }
 
     fn inner(&self, heard: &[Heard<'_>], weight: InnerWeight) -> Option<RadioFix> {
@@ -157,20 +169,15 @@ impl SiteModels {
         signal_fit(heard, area, &SignalFitParams { height_m: self.height_m, ..SignalFitParams::default() })
     }
 
-    /// A method in the plane takes the floor of the strongest, or of the nearest, transmitter.
+    /// A method in the plane.
     fn in_plane<'a>(
         &'a self,
         name: &'static str,
         uses: Uses,
         method: impl Fn(&[Reading]) -> Option<RadioFix> + Send + Sync + 'a,
     ) -> Contestant<'a> {
-        let sign = if uses == Uses::Strengths { 1.0 } else { -1.0 };
-        let floor = move |readings: &[Reading]| {
-            let nearest = readings.iter().max_by(|a, b| (sign * a.value).total_cmp(&(sign * b.value)))?;
-            self.sites.get(nearest.transmitter)?.as_ref()?.floor
-        };
         let fix = move |readings: &[Reading]| {
-            let floor = floor(readings).unwrap_or_default();
+            let floor = self.nearest_floor(readings, uses).unwrap_or_default();
             Some(PlaceFix { fix: method(readings)?, floor, floor_share: 1.0 })
         };
         Contestant { name, uses, fix: Box::new(fix) }
