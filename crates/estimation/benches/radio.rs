@@ -51,11 +51,13 @@ fn benchmarks(criterion: &mut Criterion) {
     let storeys = Storeys { height_m: 3.0, loss_db: 0.0 };
     let hearing = Hearing { half_dbm: -85.0, width_db: 4.0, unsure: 0.1 };
     let map = RadioMap::of_emitters(lattice, &placed, 1.2, &storeys, &hearing).expect("a map");
-    let spots: Vec<_> = (0..400_u32).map(|k| (Vector2::new(f64::from(k % 20) * 3.0, f64::from(k / 20) * 2.0), 0)).collect();
+    let spots: Vec<_> =
+        (0..400_u32).map(|k| (Vector2::new(f64::from(k % 20) * 3.0, f64::from(k / 20) * 2.0), 0)).collect();
     let mean = |spot: &Vector2<f64>, emitter: &Emitter| {
         mean_dbm(&path_loss, (emitter.position_m - Vector3::new(spot.x, spot.y, 1.2)).norm()) as f32
     };
-    let means_dbm = spots.iter().flat_map(|(spot, _)| emitters.iter().map(move |emitter| mean(spot, emitter)));
+    let means_dbm =
+        spots.iter().flat_map(|(spot, _)| emitters.iter().map(move |emitter| mean(spot, emitter)));
     let means_dbm = means_dbm.collect();
     let prints = Fingerprints { transmitters: ACCESS_POINTS, spots: spots.clone(), means_dbm };
     let area = AreaPrior::of(&spots.iter().map(|(spot, _)| *spot).collect::<Vec<_>>(), 1.0).expect("an area");

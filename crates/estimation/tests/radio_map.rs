@@ -42,7 +42,8 @@ fn square(step_m: f64, side_m: f64) -> Lattice {
 }
 
 fn of_emitters(lattice: Lattice, sigma_db: f64) -> (RadioMap, Vec<Emitter>) {
-    let path_loss = PathLoss { rssi_at_1m_dbm: -45.0, exponent: 2.5, breakpoint_m: None, exponent_beyond: None };
+    let path_loss =
+        PathLoss { rssi_at_1m_dbm: -45.0, exponent: 2.5, breakpoint_m: None, exponent_beyond: None };
     let emitters: Vec<Emitter> = [(0.0, 0.0), (20.0, 0.0), (0.0, 20.0), (20.0, 20.0)]
         .map(|(x, y)| Emitter { position_m: Vector3::new(x, y, 2.0), path_loss, sigma_db })
         .into();
@@ -116,8 +117,11 @@ fn ranges_and_floors_have_maps_too() {
     assert!((map.fix(&readings, &MapParams::RANGES).unwrap().fix.position_m - truth.xy()).norm() < 0.3);
 
     let spots = [(Vector2::new(5.0, 5.0), 1), (Vector2::new(5.0, 5.0), 2)];
-    let path_loss = PathLoss { rssi_at_1m_dbm: -40.0, exponent: 2.0, breakpoint_m: None, exponent_beyond: None };
-    let on = |floor: i32| (Emitter { position_m: Vector3::new(5.0, 8.0, 2.0), path_loss, sigma_db: 4.0 }, Some(floor));
+    let path_loss =
+        PathLoss { rssi_at_1m_dbm: -40.0, exponent: 2.0, breakpoint_m: None, exponent_beyond: None };
+    let on = |floor: i32| {
+        (Emitter { position_m: Vector3::new(5.0, 8.0, 2.0), path_loss, sigma_db: 4.0 }, Some(floor))
+    };
     let storeys = Storeys { height_m: 3.0, loss_db: 15.0 };
     let hearing = Hearing { half_dbm: -80.0, width_db: 4.0, unsure: 0.1 };
     let lattice = Lattice::around(&spots, 0.5, 2.0).unwrap();
@@ -153,7 +157,9 @@ fn a_map_comes_back_from_its_file_and_a_broken_one_does_not() {
 #[test]
 fn the_nearest_fingerprints_are_those_of_a_full_sort() {
     let place = |k: usize| Vector2::new((k * 7 % 23) as f64, (k * 5 % 17) as f64);
-    let strength = |k: usize, t: usize| if (k * 3 + t) % 11 == 0 { f32::NAN } else { -50.0 - ((k * 13 + t * 29) % 41) as f32 };
+    let strength = |k: usize, t: usize| {
+        if (k * 3 + t) % 11 == 0 { f32::NAN } else { -50.0 - ((k * 13 + t * 29) % 41) as f32 }
+    };
     let prints = Fingerprints {
         transmitters: 6,
         spots: (0..60).map(|k| (place(k), 0)).collect(),
@@ -161,8 +167,10 @@ fn the_nearest_fingerprints_are_those_of_a_full_sort() {
     };
     let params = NearestParams { neighbours: 4, weighted: false, unheard_dbm: -95.0 };
     for seed in 0..50_usize {
-        let readings: Vec<Reading> =
-            (0..6).filter(|t| (seed + t) % 4 != 0).map(|t| reading(t, -50.0 - ((seed * 17 + t * 11) % 43) as f64)).collect();
+        let readings: Vec<Reading> = (0..6)
+            .filter(|t| (seed + t) % 4 != 0)
+            .map(|t| reading(t, -50.0 - ((seed * 17 + t * 11) % 43) as f64))
+            .collect();
         let scan: Vec<f64> =
             (0..6).map(|t| readings.iter().find(|r| r.transmitter == t).map_or(-95.0, |r| r.value)).collect();
         let mut by_distance: Vec<(f64, usize)> = (0..60)
@@ -214,7 +222,8 @@ fn a_walk_is_the_forward_backward_algorithm() {
     let log = |epoch: usize| -> Vec<f64> {
         (0..count).map(|k| -(((k * 37 + epoch * 101) % 19) as f64) * 0.3).collect()
     };
-    let epochs: Vec<(f64, Vec<f64>)> = (0..6).map(|epoch| (if epoch == 0 { 0.0 } else { 0.7 }, log(epoch))).collect();
+    let epochs: Vec<(f64, Vec<f64>)> =
+        (0..6).map(|epoch| (if epoch == 0 { 0.0 } else { 0.7 }, log(epoch))).collect();
     let step = transition(&lattice, 0.9 * 0.7_f64.sqrt());
     // Dense, in the words of the textbook.
     let likelihood = |epoch: usize| DVector::from_vec(log(epoch).iter().map(|l| l.exp()).collect());

@@ -133,7 +133,8 @@ pub fn from_input(input: Input) -> Result<Survey, LogError> {
     let mut scans = Vec::new();
     while table.next()? {
         let position_m = [coordinate(&table, east, &names)?, coordinate(&table, north, &names)?];
-        let floor = floor.map_or(Ok(0), |index| whole(&table, index, &names).map(Option::unwrap_or_default))?;
+        let floor =
+            floor.map_or(Ok(0), |index| whole(&table, index, &names).map(Option::unwrap_or_default))?;
         let mut scan = Scan {
             position_m,
             floor,
@@ -144,11 +145,8 @@ pub fn from_input(input: Input) -> Result<Survey, LogError> {
             if table.field(*index).is_empty() {
                 continue;
             }
-            let (values, limits) = if *strength {
-                (&mut scan.rssi_dbm, STRENGTHS_DBM)
-            } else {
-                (&mut scan.range_m, RANGES_M)
-            };
+            let (values, limits) =
+                if *strength { (&mut scan.rssi_dbm, STRENGTHS_DBM) } else { (&mut scan.range_m, RANGES_M) };
             values[*transmitter] = Some(within(&table, *index, &names, &limits)?);
         }
         scans.push(scan);
@@ -224,7 +222,11 @@ fn column(wanted: &str, names: &[String]) -> Option<usize> {
     names.iter().position(|name| name == wanted)
 }
 
-fn columns<const N: usize>(wanted: [&str; N], names: &[String], place: &Place) -> Result<[usize; N], LogError> {
+fn columns<const N: usize>(
+    wanted: [&str; N],
+    names: &[String],
+    place: &Place,
+) -> Result<[usize; N], LogError> {
     let absent: Vec<String> =
         wanted.iter().filter(|name| column(name, names).is_none()).map(|name| (*name).to_owned()).collect();
     if absent.is_empty() {

@@ -9,7 +9,8 @@ use common::data_set;
 use proptest::prelude::*;
 
 fn read(text: &str) -> Result<survey::Survey, String> {
-    survey::from_input(Input::from_bytes("s.csv", text.as_bytes()).unwrap()).map_err(|error| error.to_string())
+    survey::from_input(Input::from_bytes("s.csv", text.as_bytes()).unwrap())
+        .map_err(|error| error.to_string())
 }
 
 fn transmitters(text: &str) -> Result<Vec<survey::TransmitterPlace>, String> {
@@ -25,8 +26,18 @@ fn a_survey_is_read_as_it_stands() {
     assert_eq!(
         found.scans,
         [
-            Scan { position_m: [0.0, 0.6], floor: 2, rssi_dbm: vec![None, Some(-67.0)], range_m: vec![Some(3.148), None] },
-            Scan { position_m: [-1.5, 20.0], floor: 0, rssi_dbm: vec![Some(-80.5), None], range_m: vec![None, None] },
+            Scan {
+                position_m: [0.0, 0.6],
+                floor: 2,
+                rssi_dbm: vec![None, Some(-67.0)],
+                range_m: vec![Some(3.148), None]
+            },
+            Scan {
+                position_m: [-1.5, 20.0],
+                floor: 0,
+                rssi_dbm: vec![Some(-80.5), None],
+                range_m: vec![None, None]
+            },
         ]
     );
     let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
@@ -39,7 +50,10 @@ fn what_is_no_survey_is_told_with_its_line() {
         ("", "s.csv: the file is empty"),
         ("x_m,y_m\n0,0\n", "s.csv:1: missing column <transmitter>_rssi_dBm or <transmitter>_range_m"),
         ("x_m,a_rssi_dBm\n0,-50\n", "s.csv:1: missing column y_m"),
-        ("x_m,y_m,a_rssi_dBm,a_rssi_dbm\n0,0,-1,-1\n", "s.csv:1: columns a_rssi_dBm and a_rssi_dbm give the same quantity"),
+        (
+            "x_m,y_m,a_rssi_dBm,a_rssi_dbm\n0,0,-1,-1\n",
+            "s.csv:1: columns a_rssi_dBm and a_rssi_dbm give the same quantity",
+        ),
         ("x_m,y_m,_rssi_dBm\n0,0,-1\n", "s.csv:1: _rssi_dBm: found \"\", expected a name"),
         ("x_m,y_m,a_rssi_dBm\n", "s.csv: the file ends before the first row of the survey"),
         ("x_m,y_m,a_rssi_dBm\n0,0\n", "s.csv:2: found 2 fields, expected 3"),
@@ -58,12 +72,21 @@ fn what_is_no_survey_is_told_with_its_line() {
 
 #[test]
 fn transmitters_have_places_and_all_their_names() {
-    let list = transmitters("ap,x_m,y_m,floor,id_2g4,frequency_Hz,id_5g\n1,48.1,18.7,3,mac1,24e8,mac2\n2,1,2,,mac3,24e8,\n").unwrap();
+    let list = transmitters(
+        "ap,x_m,y_m,floor,id_2g4,frequency_Hz,id_5g\n1,48.1,18.7,3,mac1,24e8,mac2\n2,1,2,,mac3,24e8,\n",
+    )
+    .unwrap();
     let shown: Vec<_> = list.iter().map(|one| (one.id.as_str(), one.position_m, one.floor)).collect();
     let (first, second) = ([48.1, 18.7, 0.0], [1.0, 2.0, 0.0]);
     assert_eq!(
         shown,
-        [("1", first, Some(3)), ("mac1", first, Some(3)), ("mac2", first, Some(3)), ("2", second, None), ("mac3", second, None)]
+        [
+            ("1", first, Some(3)),
+            ("mac1", first, Some(3)),
+            ("mac2", first, Some(3)),
+            ("2", second, None),
+            ("mac3", second, None)
+        ]
     );
     let heights = transmitters("receiver,x_m,y_m,z_m\na,1,2,3.5\nb,1,2,\n").unwrap();
     assert_eq!([heights[0].position_m[2], heights[1].position_m[2]], [3.5, 0.0]);
@@ -102,5 +125,8 @@ fn the_recorded_surveys_open_as_they_are() {
     assert!(train.transmitters.iter().all(|id| places.iter().any(|place| place.id == *id)));
     let Some(tracks) = data_set("ble-tracks") else { return };
     assert!(!survey::is_survey(&tracks.join("straight_01_rssi.csv")).unwrap());
-    assert_eq!(survey::read_transmitters(tracks.join("receivers.csv")).unwrap()[0].position_m, [7.0, 7.09, 1.22]);
+    assert_eq!(
+        survey::read_transmitters(tracks.join("receivers.csv")).unwrap()[0].position_m,
+        [7.0, 7.09, 1.22]
+    );
 }

@@ -1,7 +1,7 @@
 //! `adit calibrate`: its verbs and their flags.
 
-use super::radio::{CalibrateFingerprintArgs, CalibratePathlossArgs};
 use super::number;
+use super::radio::{CalibrateFingerprintArgs, CalibratePathlossArgs};
 use crate::output::Target;
 use adit_tuning::geomagnetic::{Day, Site};
 use clap::{Args, Subcommand, ValueHint};

@@ -74,7 +74,10 @@ pub fn inner_points(heard: &[Heard<'_>], params: &CircleParams) -> Option<RadioF
     let [first, rest @ ..] = &circles[..] else { return None };
     if rest.is_empty() {
         let spread = first.radius * first.radius + first.sigma * first.sigma;
-        return Some(RadioFix { position_m: first.centre, covariance_m2: Matrix2::identity() * (0.5 * spread) });
+        return Some(RadioFix {
+            position_m: first.centre,
+            covariance_m2: Matrix2::identity() * (0.5 * spread),
+        });
     }
     let in_row = row(circles.iter().map(|circle| circle.centre));
     let position_m = centre_of_points(&circles, in_row, params.weight);
@@ -100,7 +103,8 @@ fn centre_of_points(circles: &[Circle], in_row: Option<Vector2<f64>>, weight: In
     let (mut sum, mut total) = (Vector2::zeros(), 0.0);
     for (i, a) in circles.iter().enumerate() {
         for (j, b) in circles.iter().enumerate().skip(i + 1) {
-            let third = circles.iter().enumerate().find(|(k, _)| *k != i && *k != j).map(|(_, circle)| circle);
+            let third =
+                circles.iter().enumerate().find(|(k, _)| *k != i && *k != j).map(|(_, circle)| circle);
             let point = meeting_point(a, b, third.filter(|_| in_row.is_none()));
             let weight = weigh(a, b, weight);
             sum += point * weight;

@@ -58,8 +58,14 @@ impl Lattice {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded just above")]
         let (columns, rows, points) = (count.x as usize, count.y as usize, (count.x * count.y) as u32);
-        let lattice =
-            Self { origin_m: *low_m, step_m, columns, rows, floors: alloc::vec![0], places: (0..points).collect() };
+        let lattice = Self {
+            origin_m: *low_m,
+            step_m,
+            columns,
+            rows,
+            floors: alloc::vec![0],
+            places: (0..points).collect(),
+        };
         lattice.is_sound().then_some(lattice)
     }
 
@@ -72,7 +78,10 @@ impl Lattice {
             reason = "within the lattice, which was made around the spots"
         )]
         let span = |centre: f64, count: usize| {
-            (libm::floor(centre - reach).max(0.0) as usize, (libm::ceil(centre + reach) as usize).min(count - 1))
+            (
+                libm::floor(centre - reach).max(0.0) as usize,
+                (libm::ceil(centre + reach) as usize).min(count - 1),
+            )
         };
         let ((left, right), (bottom, top)) = (span(local.x, self.columns), span(local.y, self.rows));
         for row in bottom..=top {

@@ -3,10 +3,12 @@
 use adit_core::nalgebra::{Matrix2, Vector2};
 
 /// Weighted mean and scatter; `None` when there is no weight.
-pub fn moments(points: impl Iterator<Item = (Vector2<f64>, f64)> + Clone) -> Option<(Vector2<f64>, Matrix2<f64>)> {
-    let (sum, weight) = points
-        .clone()
-        .fold((Vector2::zeros(), 0.0), |(sum, total), (point, weight)| (sum + point * weight, total + weight));
+pub fn moments(
+    points: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
+) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+    let (sum, weight) = points.clone().fold((Vector2::zeros(), 0.0), |(sum, total), (point, weight)| {
+        (sum + point * weight, total + weight)
+    });
     if !(weight > 0.0 && weight.is_finite()) {
         return None;
     }

@@ -179,13 +179,18 @@ impl RadioMap {
             let apart = on.map_or(0.0, |on| f64::from(on) - f64::from(floor));
             let level = (position - emitter.position_m.xy()).norm_squared();
             let drop = emitter.position_m.z - height_m + apart * storeys.height_m;
-            let mean = mean_of_square_dbm(&emitter.path_loss, level + drop * drop) - storeys.loss_db * apart.abs();
+            let mean =
+                mean_of_square_dbm(&emitter.path_loss, level + drop * drop) - storeys.loss_db * apart.abs();
             Expected { mean, sigma: emitter.sigma_db, heard: hearing.probability(mean) }
         })
     }
 
     /// The map of devices that measure ranges.
-    pub fn of_ranges(lattice: Lattice, devices: &[(Vector3<f64>, RangeModel)], height_m: f64) -> Option<Self> {
+    pub fn of_ranges(
+        lattice: Lattice,
+        devices: &[(Vector3<f64>, RangeModel)],
+        height_m: f64,
+    ) -> Option<Self> {
         let places: Vec<_> = lattice.iter().collect();
         Self::new(lattice, devices.len(), |place, device| {
             let (position_m, model) = &devices[device];
@@ -230,7 +235,8 @@ impl RadioMap {
     /// The fix by these readings; `None` where no known transmitter is among them.
     pub fn fix(&self, readings: &[Reading], params: &MapParams) -> Option<PlaceFix> {
         let mut log_likelihood = Vec::with_capacity(self.stored.lattice.len());
-        let any = readings.iter().any(|one| one.transmitter < self.stored.transmitters && one.value.is_finite());
+        let any =
+            readings.iter().any(|one| one.transmitter < self.stored.transmitters && one.value.is_finite());
         if !any {
             return None;
         }
@@ -280,14 +286,22 @@ fn strengths(errors: &[(f64, f64)], params: &MapParams) -> f64 {
 pub(super) fn place_fix(lattice: &Lattice, weights: &[f64]) -> Option<PlaceFix> {
     let total: f64 = weights.iter().sum();
     let on = |floor: i32| {
-        lattice.iter().zip(weights).filter(move |((_, at), _)| *at == floor).map(|((place, _), w)| (place, *w))
+        lattice
+            .iter()
+            .zip(weights)
+            .filter(move |((_, at), _)| *at == floor)
+            .map(|((place, _), w)| (place, *w))
     };
     let masses = lattice.floors().iter().map(|floor| (*floor, on(*floor).map(|(_, w)| w).sum::<f64>()));
     let (floor, mass) = masses.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (position_m, scatter): (Vector2<f64>, Matrix2<f64>) = moments(on(floor))?;
     // A place stands for the square about it.
     let square = Matrix2::identity() * (lattice.step_m() * lattice.step_m() / 12.0);
-    Some(PlaceFix { fix: RadioFix { position_m, covariance_m2: scatter + square }, floor, floor_share: mass / total })
+    Some(PlaceFix {
+        fix: RadioFix { position_m, covariance_m2: scatter + square },
+        floor,
+        floor_share: mass / total,
+    })
 }
 
 impl TryFrom<Stored> for RadioMap {
@@ -307,7 +321,9 @@ impl TryFrom<Stored> for RadioMap {
             mean.is_finite() && sigma.is_finite() && *sigma > 0.0 && (0.0..=1.0).contains(heard)
         };
         if !all().all(usable) {
-            return Err("a radio map needs finite means, standard deviations above 0, probabilities from 0 to 1");
+            return Err(
+                "a radio map needs finite means, standard deviations above 0, probabilities from 0 to 1",
+            );
         }
         let cell = |((mean, sigma), heard): ((&f32, &f32), &f32)| {
             let (sigma, heard) = (sigma.max(SHARPEST), heard.clamp(SUREST, 1.0 - SUREST));

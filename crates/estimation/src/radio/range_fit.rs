@@ -7,7 +7,7 @@
 //! A Wi-Fi round-trip range has an offset for each access point, a metre or two, and reads long behind walls, the more so the farther: offset
 //! o and scale s come from a calibration (`adit_tuning::ranges`), as does σ.
 
-use super::gauss_newton::{Problem, Residual, solve};
+use super::gauss_newton::{LANES, Problem, Residuals, solve};
 use super::{AreaPrior, RadioFix, trilateration};
 use adit_core::nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
@@ -43,11 +43,13 @@ pub struct RangeFitParams {
     pub dof: f64,
     /// Iterations at most.
     pub iterations: usize,
+    /// Steps shorter than this end the search, m: far below what a fix is sure of.
+    pub small_step_m: f64,
 }
 
 impl Default for RangeFitParams {
     fn default() -> Self {
-        Self { height_m: 0.0, dof: 4.0, iterations: 30 }
+        Self { height_m: 0.0, dof: 4.0, iterations: 30, small_step_m: 0.02 }
     }
 }
 
@@ -66,23 +68,32 @@ pub fn range_fit(ranges: &[Ranged], prior: Option<&AreaPrior>, params: &RangeFit
     if ranges.is_empty() || (prior.is_none() && ranges.len() < 3) {
         return None;
     }
-    let problem =
-        Problem { dof: params.dof, offset_sigma: 0.0, prior, iterations: params.iterations };
-    let residual = |index: usize, position: &Vector2<f64>, _: f64| {
-        let Ranged { position_m, model, range_m } = &ranges[index];
-        let away = position - position_m.xy();
-        let drop = position_m.z - params.height_m;
-        let distance = libm::sqrt(away.norm_squared() + drop * drop).max(0.05);
-        let gradient = away * (model.scale / (distance * model.sigma_m));
-        Residual {
-            value: (model.scale * distance + model.offset_m - range_m) / model.sigma_m,
-            gradient: Vector3::new(gradient.x, gradient.y, 0.0),
+    let problem = Problem {
+        dof: params.dof,
+        offset_sigma: 0.0,
+        prior,
+        iterations: params.iterations,
+        small_step_m: params.small_step_m,
+    };
+    let residuals = |group: usize, position: &Vector2<f64>, _: f64| {
+        let mut all = Residuals::default();
+        for (k, Ranged { position_m, model, range_m }) in
+            ranges.iter().skip(LANES * group).take(LANES).enumerate()
+        {
+            let away = position - position_m.xy();
+            let drop = position_m.z - params.height_m;
+            let distance = libm::sqrt(away.norm_squared() + drop * drop).max(0.05);
+            let gradient = away * (model.scale / (distance * model.sigma_m));
+            all.value[k] = (model.scale * distance + model.offset_m - range_m) / model.sigma_m;
+            (all.east[k], all.north[k]) = (gradient.x, gradient.y);
         }
+        all
     };
     let middle = ranges.iter().map(|one| one.position_m.xy()).sum::<Vector2<f64>>() / ranges.len() as f64;
     let linear = trilateration::linear_ranges(ranges, params.height_m).map(|fix| fix.position_m);
     let starts = [Some(middle), linear];
-    let minima = starts.into_iter().flatten().filter_map(|start| solve(ranges.len(), residual, start, &problem));
+    let groups = ranges.len().div_ceil(LANES);
+    let minima = starts.into_iter().flatten().filter_map(|start| solve(groups, residuals, start, &problem));
     let best = minima.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     Some(RadioFix { position_m: best.position_m, covariance_m2: best.covariance_m2 })
 }

@@ -21,8 +21,9 @@ type Circle = (Vector2<f64>, f64, f64);
 
 /// The fix by signal strengths through their path loss; `None` of fewer than two places.
 pub fn linear_signals(heard: &[Heard<'_>], height_m: f64) -> Option<RadioFix> {
-    let circles =
-        heard.iter().map(|one| (one.emitter.position_m.xy(), one.level_range_m(height_m), one.range_sigma_m()));
+    let circles = heard
+        .iter()
+        .map(|one| (one.emitter.position_m.xy(), one.level_range_m(height_m), one.range_sigma_m()));
     solve(circles.collect())
 }
 

@@ -139,7 +139,11 @@ impl Spread {
         self.sigma_m = sigma_m;
         let steps = sigma_m / lattice.step_m();
         let widest = columns.max(lines) as f64;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the width of the lattice")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most the width of the lattice"
+        )]
         let reach = libm::ceil(4.0 * steps).min(widest) as usize;
         // What falls on a square of the lattice: differences of the normal distribution, right for narrow kernels too.
         let below = |x: f64| 0.5 * libm::erfc(-x / (steps.max(1e-9) * core::f64::consts::SQRT_2));

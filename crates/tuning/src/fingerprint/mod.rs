@@ -115,8 +115,11 @@ pub fn fit(
 ) -> Result<FingerprintFit, TuningError> {
     let spots = by_spot(scans, sites.len(), params.cell_m);
     let spread = within_spots(&spots);
-    let scales = scales::search(&spots, sites, params, spread)
-        .ok_or(TuningError::TooFewReadings { sensor: "radio", found: spots.len(), expected: 10 })?;
+    let scales = scales::search(&spots, sites, params, spread).ok_or(TuningError::TooFewReadings {
+        sensor: "radio",
+        found: spots.len(),
+        expected: 10,
+    })?;
     let empty = || TuningError::TooFewReadings { sensor: "radio", found: 0, expected: 1 };
     let ranges = params.kind == ReadingKind::Range;
     let belief = match belief::fold(scans, params.cell_m) {
@@ -149,8 +152,12 @@ fn map(
                 vec![Expected { mean: UNHEARD_DBM, sigma: UNHEARD_SIGMA_DB, heard: 0.0 }; places.len()];
             for floor in &floors {
                 let process = Process::new(spots, transmitter, sites[transmitter], *floor, params, scales);
-                let Some(process) = process.filter(|process| process.spots() >= FEWEST_SPOTS) else { continue };
-                for (expected, (place, at)) in field.iter_mut().zip(&places).filter(|(_, (_, at))| at == floor) {
+                let Some(process) = process.filter(|process| process.spots() >= FEWEST_SPOTS) else {
+                    continue;
+                };
+                for (expected, (place, at)) in
+                    field.iter_mut().zip(&places).filter(|(_, (_, at))| at == floor)
+                {
                     (expected.mean, expected.sigma) = process.predict(place, *at);
                 }
             }

@@ -101,7 +101,8 @@ impl Process {
         for row in 0..count {
             for column in 0..=row {
                 let (a, b) = (&spots[row], &spots[column]);
-                let value = scales.shadowing((a.place - b.place).norm()) + trend.covariance(&a.basis, &b.basis);
+                let value =
+                    scales.shadowing((a.place - b.place).norm()) + trend.covariance(&a.basis, &b.basis);
                 covariance[(row, column)] = value;
                 covariance[(column, row)] = value;
             }
@@ -111,7 +112,10 @@ impl Process {
         let factor = covariance.cholesky()?;
         let residual = DVector::from_iterator(
             count,
-            chosen.iter().zip(&spots).map(|(one, spot)| one.readings[transmitter].mean - trend.at(&spot.basis)),
+            chosen
+                .iter()
+                .zip(&spots)
+                .map(|(one, spot)| one.readings[transmitter].mean - trend.at(&spot.basis)),
         );
         let weights = factor.solve(&residual);
         Some(Self { spots, trend, scales: *scales, factor, residual, weights })
@@ -148,5 +152,55 @@ impl Process {
         };
         let one_reading = self.scales.spot_sigma * self.scales.spot_sigma + self.scales.within;
         (mean, ((own - explained).max(0.0) + one_reading).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "tests")]
+
+    use super::super::Search;
+    use super::*;
+    use crate::radio::SpotReading;
+
+    /// `tests/reference/process.py`: the trend solved for, by numpy, in place of a kernel of its own.
+    #[test]
+    fn it_agrees_with_the_explicit_trend_of_numpy() {
+        let text = include_str!("../../tests/reference/process.csv");
+        let rows = |name: &'static str| {
+            text.lines().filter_map(move |line| line.strip_prefix(name)).map(|rest| {
+                rest.split_whitespace().map(|value| value.parse::<f64>().unwrap()).collect::<Vec<_>>()
+            })
+        };
+        let spots: Vec<SpotMeans> = rows("spot")
+            .map(|row| {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
+                let count = row[3] as usize;
+                let reading = SpotReading { count, mean: row[2], squares: 0.0 };
+                let position_m = Vector3::new(row[0], row[1], 0.0);
+                SpotMeans { position_m, floor: 0, scans: count, whole_scans: count, readings: vec![reading] }
+            })
+            .collect();
+        let scales = |shadowing_sigma, length_m, spot_sigma| FieldScales {
+            shadowing_sigma,
+            length_m,
+            spot_sigma,
+            within: 1.7,
+            search: Search { log_likelihood: 0.0, evaluations: 0 },
+        };
+        let site = Site { position_m: Vector3::new(12.0, 7.0, 2.5), floor: None };
+        let params = FingerprintParams::of(ReadingKind::Strength);
+        let process = |scales: FieldScales| Process::new(&spots, 0, Some(site), 0, &params, &scales).unwrap();
+        let made = process(scales(5.0, 9.0, 2.0));
+        assert_eq!(made.spots(), 25);
+        for row in rows("place") {
+            let (mean, sigma) = made.predict(&Vector2::new(row[0], row[1]), 0);
+            // Twelve digits in the file, conditions of some 10⁴ in the matrices.
+            assert!((mean - row[2]).abs() < 1e-7 && (sigma - row[3]).abs() < 1e-7, "{row:?}: {mean} {sigma}");
+        }
+        for row in rows("likelihood") {
+            let value = process(scales(row[0], row[1], row[2])).log_likelihood();
+            assert!((value - row[3]).abs() < 1e-7, "{row:?}: {value}");
+        }
     }
 }

@@ -59,7 +59,8 @@ pub fn search(
     let mut floors: Vec<i32> = spots.iter().map(|spot| spot.floor).collect();
     floors.sort_unstable();
     floors.dedup();
-    let pairs = || (0..sites.len()).flat_map(|transmitter| floors.iter().map(move |floor| (transmitter, *floor)));
+    let pairs =
+        || (0..sites.len()).flat_map(|transmitter| floors.iter().map(move |floor| (transmitter, *floor)));
     // Every so-many-th spot of each, so that all parts of the survey are in.
     let thinned = |(transmitter, floor): (usize, i32)| {
         let heard: Vec<&SpotMeans> =

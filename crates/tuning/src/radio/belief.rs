@@ -41,7 +41,8 @@ pub fn fold(scans: &[SurveyedScan], cell_m: f64) -> Option<(Vec<SurveyedScan>, V
         return None;
     }
     let left_out = |spot: usize| spot % FOLD == FOLD / 2;
-    let kept = numbered.iter().filter(|(spot, _)| !left_out(*spot)).map(|(_, scan)| (*scan).clone()).collect();
+    let kept =
+        numbered.iter().filter(|(spot, _)| !left_out(*spot)).map(|(_, scan)| (*scan).clone()).collect();
     let mut judged: Vec<SurveyedScan> = Vec::new();
     for (spot, scan) in numbered.iter().filter(|(spot, scan)| left_out(*spot) && !scan.readings.is_empty()) {
         let count = at_spot.entry(*spot).or_default();

@@ -65,6 +65,8 @@ const LINE_SIGMA: [f64; 2] = [15.0, 1.0];
 const EXPONENTS: [f64; 2] = [0.5, 8.0];
 /// Values to fit, at the least.
 const FEWEST: usize = 10;
+/// Rounds between where hearing ends and how signals fall off, at the most.
+const HEARING_ROUNDS: usize = 10;
 /// Where nothing is known of hearing.
 const HEARING: Hearing = Hearing { half_dbm: -90.0, width_db: 4.0, unsure: 0.1 };
 
@@ -90,15 +92,23 @@ pub fn fit(
     // First by what was heard alone; that tells where hearing ends, and then silence counts too.
     let heard: Vec<Record> =
         records.iter().filter(|record| matches!(record.value, Value::Read(_))).copied().collect();
-    let first = fit_lines(&heard, sites.len(), &lines_params).ok_or_else(few)?;
-    let limit = hear(&records, &first, params).half_dbm;
-    for record in &mut records {
-        if let Value::Below(below) = &mut record.value {
-            *below = limit;
+    let mut one = fit_lines(&heard, sites.len(), &lines_params).ok_or_else(few)?;
+    let mut before = f64::NAN;
+    for _ in 0..HEARING_ROUNDS {
+        let limit = hear(&records, &one, params).half_dbm;
+        if limit.to_bits() == before.to_bits() {
+            break;
         }
+        before = limit;
+        for record in &mut records {
+            if let Value::Below(below) = &mut record.value {
+                *below = limit;
+            }
+        }
+        one = fit_lines(&records, sites.len(), &lines_params).ok_or_else(few)?;
     }
-    let one = fit_lines(&records, sites.len(), &lines_params).ok_or_else(few)?;
-    let two = if params.two_slopes { second_slope(&mut records, sites.len(), &lines_params, &one) } else { None };
+    let two =
+        if params.two_slopes { second_slope(&mut records, sites.len(), &lines_params, &one) } else { None };
     let (lines, breakpoint_m) = match two {
         Some((lines, breakpoint_m)) => (lines, Some(breakpoint_m)),
         None => {

@@ -87,7 +87,8 @@ struct Seen {
 
 /// Fits the lines of `groups` transmitters; `None` of fewer than three values.
 pub fn fit(records: &[Record], groups: usize, params: &PooledParams) -> Option<PooledLines> {
-    let values = || records.iter().filter_map(|r| if let Value::Read(y) = r.value { Some((r, y)) } else { None });
+    let values =
+        || records.iter().filter_map(|r| if let Value::Read(y) = r.value { Some((r, y)) } else { None });
     let read = values().count();
     if read < 3 {
         return None;
@@ -150,7 +151,8 @@ impl PooledLines {
             Value::Below(limit) => {
                 let z = (limit - mean) / self.sigma;
                 let (below, hazard) = lower_tail(z);
-                let by_level = (1.0 - params.missed) * below / (params.missed + (1.0 - params.missed) * below);
+                let by_level =
+                    (1.0 - params.missed) * below / (params.missed + (1.0 - params.missed) * below);
                 let variance = self.sigma * self.sigma * (1.0 - hazard * (hazard + z)).max(0.0);
                 Seen { y: mean - self.sigma * hazard, weight: by_level, variance }
             }

@@ -29,13 +29,8 @@ pub struct RangesFit {
 }
 
 /// Offsets of a metre or two, scales about 1.
-const PARAMS: PooledParams = PooledParams {
-    dof: 4.0,
-    line: [0.0, 1.0],
-    line_sigma: [2.0, 0.3],
-    slopes: [0.5, 2.0],
-    missed: 0.0,
-};
+const PARAMS: PooledParams =
+    PooledParams { dof: 4.0, line: [0.0, 1.0], line_sigma: [2.0, 0.3], slopes: [0.5, 2.0], missed: 0.0 };
 const FEWEST: usize = 10;
 const CELL_M: f64 = 0.4;
 

@@ -104,7 +104,8 @@ fn epochs(file: &RadioFile) -> Vec<(f64, Asked)> {
         let end = (seconds(file.times[index]) / EPOCH_S).floor() * EPOCH_S + EPOCH_S;
         let count = file.times[index..].iter().take_while(|time| seconds(**time) < end).count().max(1);
         let packets = &file.strengths[index..index + count];
-        let truth_m = packets.iter().map(|packet| packet.position_m.xy()).sum::<Vector2<f64>>() / count as f64;
+        let truth_m =
+            packets.iter().map(|packet| packet.position_m.xy()).sum::<Vector2<f64>>() / count as f64;
         let readings = packets.iter().flat_map(|packet| packet.readings.iter().copied()).collect();
         epochs.push((end, Asked { readings, truth_m, floor: packets[0].floor }));
         index += count;

@@ -56,7 +56,11 @@ impl RadioData {
             interrupt::check()?;
             let this = if survey_file(&path)? { DataKind::Surveys } else { DataKind::Walks };
             let first = *kind.get_or_insert(this);
-            ensure!(first == this, "{}: expected files of one kind: surveys (x_m, y_m, readings) or walks (time_s, …)", path.display());
+            ensure!(
+                first == this,
+                "{}: expected files of one kind: surveys (x_m, y_m, readings) or walks (time_s, …)",
+                path.display()
+            );
             data.kind = this;
             data.add(&path)?;
         }
@@ -97,9 +101,10 @@ impl RadioData {
         let mut file = RadioFile::new(path);
         for scan in &survey.scans {
             let readings = |values: &[Option<f64>]| {
-                let known = values.iter().zip(&numbers).filter_map(|(value, number)| {
-                    value.map(|value| Reading { transmitter: *number, value })
-                });
+                let known = values
+                    .iter()
+                    .zip(&numbers)
+                    .filter_map(|(value, number)| value.map(|value| Reading { transmitter: *number, value }));
                 let [x, y] = scan.position_m;
                 let position_m = Vector3::new(x, y, 0.0);
                 SurveyedScan { position_m, floor: scan.floor, readings: known.collect(), whole: true }
@@ -191,7 +196,8 @@ impl RadioData {
             "{} spots: a share of {share} of them leaves nothing to fit or nothing to judge",
             drawn.len()
         );
-        let left_out: std::collections::HashSet<[i64; 3]> = drawn[..count].iter().map(|(key, _)| *key).collect();
+        let left_out: std::collections::HashSet<[i64; 3]> =
+            drawn[..count].iter().map(|(key, _)| *key).collect();
         let keep = |out: bool| {
             let mut part = self.clone();
             for file in &mut part.files {
@@ -249,8 +255,13 @@ pub fn sites(data: &RadioData, places: &[TransmitterPlace], from: &Path) -> Resu
         Some(Site { position_m: known.position_m.into(), floor: known.floor })
     };
     let sites: Vec<Option<Site>> = data.transmitters.iter().map(of).collect();
-    let unknown: Vec<&str> =
-        data.transmitters.iter().zip(&sites).filter(|(_, site)| site.is_none()).map(|(id, _)| id.as_str()).collect();
+    let unknown: Vec<&str> = data
+        .transmitters
+        .iter()
+        .zip(&sites)
+        .filter(|(_, site)| site.is_none())
+        .map(|(id, _)| id.as_str())
+        .collect();
     ensure!(
         unknown.len() < sites.len(),
         "{}: has none of the transmitters that the data hears ({})",
@@ -283,7 +294,8 @@ fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
             files.push(path.clone());
             continue;
         }
-        let entries = std::fs::read_dir(path).with_context(|| format!("{}: cannot read it", path.display()))?;
+        let entries =
+            std::fs::read_dir(path).with_context(|| format!("{}: cannot read it", path.display()))?;
         let mut logs = Vec::new();
         for entry in entries {
             let file = entry.with_context(|| format!("{}: cannot read it", path.display()))?.path();

@@ -56,7 +56,8 @@ struct SiteMaps {
 impl SiteMaps {
     fn new(data: &RadioData, sites: &[Option<Site>]) -> Result<Self> {
         let lattice = lattice(data, sites)?;
-        let fit = |scans: &[_], kind| fingerprint::fit(scans, sites, lattice.clone(), &FingerprintParams::of(kind));
+        let fit =
+            |scans: &[_], kind| fingerprint::fit(scans, sites, lattice.clone(), &FingerprintParams::of(kind));
         let strengths = fit(&data.strengths(), ReadingKind::Strength)?;
         let ranged = data.ranges();
         let ranges = if ranged.is_empty() { None } else { Some(fit(&ranged, ReadingKind::Range)?) };

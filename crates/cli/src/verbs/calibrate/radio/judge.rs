@@ -135,7 +135,11 @@ impl Table {
     pub fn write(&self, text: &mut String, floors: bool) -> Result<()> {
         writeln!(text, "\n{} ({})", self.of, self.trials.join(", "))?;
         let floor = if floors { "   floor" } else { "" };
-        writeln!(text, "{:28} {:>7} {:>7} {:>7} {:>7}  in 95 %   fixes{floor}", "", "mean m", "median", "90 %", "max")?;
+        writeln!(
+            text,
+            "{:28} {:>7} {:>7} {:>7} {:>7}  in 95 %   fixes{floor}",
+            "", "mean m", "median", "90 %", "max"
+        )?;
         for Row { method, summary: s } in &self.methods {
             write!(
                 text,

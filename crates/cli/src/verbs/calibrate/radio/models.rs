@@ -13,9 +13,9 @@ use adit_estimation::radio::{
     AreaPrior, Emitter, Heard, Lattice, MapParams, PlaceFix, RadioFix, RadioMap, Reading,
 };
 use adit_tuning::fingerprint::lattice_around;
-use adit_tuning::radio::{Site, belief};
 use adit_tuning::radio::path_loss::{self, PathLossFit, PathLossParams};
 use adit_tuning::radio::ranges::{self, RangesFit};
+use adit_tuning::radio::{Site, belief};
 use anyhow::{Context, Result};
 
 /// People may be this far from where the survey was, m.
@@ -48,7 +48,8 @@ impl SiteModels {
         let area = AreaPrior::of(&places, MARGIN_M).context("no spots")?;
         let height_m = data.height_m();
         let lattice = lattice(data, sites)?;
-        let map_of = |fit: &PathLossFit| map_of(lattice.clone(), fit, sites, height_m).context("no transmitters");
+        let map_of =
+            |fit: &PathLossFit| map_of(lattice.clone(), fit, sites, height_m).context("no transmitters");
         let range_map_of = |fit: &RangesFit| {
             range_map_of(lattice.clone(), fit, sites, height_m).context("no devices with ranges")
         };
@@ -87,9 +88,7 @@ impl SiteModels {
             plain("inner points", |site, heard| site.inner(heard, InnerWeight::Equal)),
             plain("inner points, 1/r", |site, heard| site.inner(heard, InnerWeight::InverseRange)),
             plain("inner points, S1", |site, heard| site.inner(heard, InnerWeight::RangeOverStrength)),
-            plain("trilateration, linear", |site, heard| {
-                linear_signals(&strongest(heard, 5), site.height_m)
-            }),
+            plain("trilateration, linear", |site, heard| linear_signals(&strongest(heard, 5), site.height_m)),
             plain("robust fit, no area", |site, heard| site.robust(heard, None)),
             plain("robust fit", |site, heard| site.robust(heard, Some(&site.area))),
             Contestant {
@@ -115,9 +114,11 @@ impl SiteModels {
             all.push(self.in_plane("ranges, linear, as read", Uses::Ranges, move |readings| {
                 linear_ranges(&ranged(readings, true), self.height_m)
             }));
-            all.push(self.in_plane("ranges, robust fit, no area", Uses::Ranges, move |readings| {
-                fit(readings, None)
-            }));
+            all.push(
+                self.in_plane("ranges, robust fit, no area", Uses::Ranges, move |readings| {
+                    fit(readings, None)
+                }),
+            );
             all.push(self.in_plane("ranges, robust fit", Uses::Ranges, move |readings| {
                 fit(readings, Some(&self.area))
             }));
@@ -203,7 +204,12 @@ fn map_of(lattice: Lattice, fit: &PathLossFit, sites: &[Option<Site>], height_m:
     RadioMap::of_emitters(lattice, &emitters, height_m, &fit.storeys, &fit.hearing)
 }
 
-fn range_map_of(lattice: Lattice, fit: &RangesFit, sites: &[Option<Site>], height_m: f64) -> Option<RadioMap> {
+fn range_map_of(
+    lattice: Lattice,
+    fit: &RangesFit,
+    sites: &[Option<Site>],
+    height_m: f64,
+) -> Option<RadioMap> {
     let unknown = RangeModel { offset_m: 0.0, scale: 1.0, sigma_m: 1e6 };
     let device = |(model, site): (&Option<RangeModel>, &Option<Site>)| {
         (site.map_or(NOWHERE.position_m, |site| site.position_m), model.unwrap_or(unknown))

@@ -85,19 +85,21 @@ pub fn run(args: &CalibratePathlossArgs) -> Result<()> {
 
 fn file(all: &RadioData, models: &SiteModels) -> PathLossFile {
     let fit = &models.fit;
-    let access_point = |(id, emitter): (&adit_observation::DeviceId, &Option<adit_estimation::radio::Emitter>)| {
-        let emitter = (*emitter)?;
-        let [x, y, z] = emitter.position_m.into();
-        Some(AccessPoint {
-            id: id.to_string(),
-            radio: Radio::Wifi,
-            mac: None,
-            position_m: Position::new(x, y, z),
-            tx_power_dbm: None,
-            path_loss: Some(emitter.path_loss),
-        })
-    };
-    let range = |(id, model): (&adit_observation::DeviceId, &Option<RangeModel>)| Some((id.to_string(), (*model)?));
+    let access_point =
+        |(id, emitter): (&adit_observation::DeviceId, &Option<adit_estimation::radio::Emitter>)| {
+            let emitter = (*emitter)?;
+            let [x, y, z] = emitter.position_m.into();
+            Some(AccessPoint {
+                id: id.to_string(),
+                radio: Radio::Wifi,
+                mac: None,
+                position_m: Position::new(x, y, z),
+                tx_power_dbm: None,
+                path_loss: Some(emitter.path_loss),
+            })
+        };
+    let range =
+        |(id, model): (&adit_observation::DeviceId, &Option<RangeModel>)| Some((id.to_string(), (*model)?));
     PathLossFile {
         signal: Signal { sigma_db: fit.sigma_db, rssi_at_1m_dbm: fit.common[0], exponent: fit.common[1] },
         hearing: fit.hearing,
