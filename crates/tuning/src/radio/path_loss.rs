@@ -67,6 +67,9 @@ const EXPONENTS: [f64; 2] = [0.5, 8.0];
 const FEWEST: usize = 10;
 /// Rounds between where hearing ends and how signals fall off, at the most.
 const HEARING_ROUNDS: usize = 10;
+/// Silence that widens the scatter of what was heard by more is no matter of distance: walls stand there, and a path loss bent to explain them
+/// would be wrong everywhere.
+const MOST_SCATTER: f64 = 1.15;
 /// Where nothing is known of hearing.
 const HEARING: Hearing = Hearing { half_dbm: -90.0, width_db: 4.0, unsure: 0.1 };
 
@@ -93,7 +96,7 @@ pub fn fit(
     let heard: Vec<Record> =
         records.iter().filter(|record| matches!(record.value, Value::Read(_))).copied().collect();
     let mut one = fit_lines(&heard, sites.len(), &lines_params).ok_or_else(few)?;
-    let mut before = f64::NAN;
+    let (mut before, alone) = (f64::NAN, one.sigma);
     for _ in 0..HEARING_ROUNDS {
         let limit = hear(&records, &one, params).half_dbm;
         if limit.to_bits() == before.to_bits() {
@@ -105,7 +108,11 @@ pub fn fit(
                 *below = limit;
             }
         }
-        one = fit_lines(&records, sites.len(), &lines_params).ok_or_else(few)?;
+        let with_silence = fit_lines(&records, sites.len(), &lines_params).ok_or_else(few)?;
+        if with_silence.sigma > MOST_SCATTER * alone {
+            break;
+        }
+        one = with_silence;
     }
     let two =
         if params.two_slopes { second_slope(&mut records, sites.len(), &lines_params, &one) } else { None };
