@@ -158,7 +158,7 @@ fn a_map_comes_back_from_its_file_and_a_broken_one_does_not() {
 fn the_nearest_fingerprints_are_those_of_a_full_sort() {
     let place = |k: usize| Vector2::new((k * 7 % 23) as f64, (k * 5 % 17) as f64);
     let strength = |k: usize, t: usize| {
-        if (k * 3 + t) % 11 == 0 { f32::NAN } else { -50.0 - ((k * 13 + t * 29) % 41) as f32 }
+        if (k * 3 + t).is_multiple_of(11) { f32::NAN } else { -50.0 - ((k * 13 + t * 29) % 41) as f32 }
     };
     let prints = Fingerprints {
         transmitters: 6,
@@ -239,7 +239,7 @@ fn a_walk_is_the_forward_backward_algorithm() {
         // On the likelier floor, as the fix.
         let on = |floor: i32| lattice.iter().zip(weights.iter()).filter(move |((_, at), _)| *at == floor);
         let mass = |floor: i32| on(floor).map(|(_, w)| w).sum::<f64>();
-        let floor = if mass(0) >= mass(1) { 0 } else { 1 };
+        let floor = i32::from(mass(0) < mass(1));
         on(floor).map(|((place, _), w)| place * *w).sum::<Vector2<f64>>() / mass(floor)
     };
     let mut walk = Walk::new(lattice.clone(), params);

@@ -3,6 +3,7 @@
 
 mod common;
 
+use adit_observation::DeviceId;
 use adit_observation::files::Input;
 use adit_observation::survey::{self, Scan};
 use common::data_set;
@@ -22,7 +23,7 @@ fn transmitters(text: &str) -> Result<Vec<survey::TransmitterPlace>, String> {
 fn a_survey_is_read_as_it_stands() {
     let text = "x_m,y_m,floor,b_rtt_range_m,a_rssi_dBm,phone,b_rssi_dBm\n0,0.6,2,3.148,-67,9,\n-1.5,2e1,,,,9,-80.5\n";
     let found = read(text).unwrap();
-    assert_eq!(found.transmitters.iter().map(|id| id.as_str()).collect::<Vec<_>>(), ["b", "a"]);
+    assert_eq!(found.transmitters.iter().map(DeviceId::as_str).collect::<Vec<_>>(), ["b", "a"]);
     assert_eq!(
         found.scans,
         [
@@ -89,7 +90,8 @@ fn transmitters_have_places_and_all_their_names() {
         ]
     );
     let heights = transmitters("receiver,x_m,y_m,z_m\na,1,2,3.5\nb,1,2,\n").unwrap();
-    assert_eq!([heights[0].position_m[2], heights[1].position_m[2]], [3.5, 0.0]);
+    let shown: Vec<_> = heights.iter().map(|one| (one.id.as_str(), one.position_m)).collect();
+    assert_eq!(shown, [("a", [1.0, 2.0, 3.5]), ("b", [1.0, 2.0, 0.0])]);
     for (text, expected) in [
         ("x_m,y_m\n0,0\n", "aps.csv:1: missing column ap"),
         ("ap,x_m\na,0\n", "aps.csv:1: missing column y_m"),
@@ -125,8 +127,6 @@ fn the_recorded_surveys_open_as_they_are() {
     assert!(train.transmitters.iter().all(|id| places.iter().any(|place| place.id == *id)));
     let Some(tracks) = data_set("ble-tracks") else { return };
     assert!(!survey::is_survey(&tracks.join("straight_01_rssi.csv")).unwrap());
-    assert_eq!(
-        survey::read_transmitters(tracks.join("receivers.csv")).unwrap()[0].position_m,
-        [7.0, 7.09, 1.22]
-    );
+    let receivers = survey::read_transmitters(tracks.join("receivers.csv")).unwrap();
+    assert_eq!((receivers[0].id.as_str(), receivers[0].position_m), ("sensor10", [7.0, 7.09, 1.22]));
 }

@@ -71,24 +71,24 @@ pub enum LeaveOut {
 
 /// `adit calibrate pathloss`.
 #[derive(Debug, Args)]
-#[command(before_help = "How signals fall off with distance, and how ranges are off, for each transmitter", after_help = format!("{DATA}\n{PATHLOSS_EXAMPLES}"))]
+#[command(after_help = format!("{DATA}\n{PATHLOSS_EXAMPLES}"))]
 pub struct CalibratePathlossArgs {
     /// What was heard where
     #[command(flatten)]
     pub radio: RadioArgs,
 
-    /// Where the transmitters are: CSV with ap,x_m,y_m[,z_m][,floor][,id_…], or a mine file
+    /// Where the transmitters are: CSV with `ap,x_m,y_m[,z_m][,floor][,id_…]`, or a mine file
     #[arg(long, value_name = "PLACES", value_hint = ValueHint::FilePath)]
     pub access_points: PathBuf,
 
-    /// File to write, TOML; its [[access_points]] are those of a mine file; `-` is stdout
+    /// File to write, TOML; its `[[access_points]]` are those of a mine file; `-` is stdout
     #[arg(short, long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
     pub out: Target,
 }
 
 /// `adit calibrate fingerprint`.
 #[derive(Debug, Args)]
-#[command(before_help = "What every transmitter should read at every place, from fingerprints", after_help = format!("{DATA}\n{FINGERPRINT_EXAMPLES}"))]
+#[command(after_help = format!("{DATA}\n{FINGERPRINT_EXAMPLES}"))]
 pub struct CalibrateFingerprintArgs {
     /// What was heard where
     #[command(flatten)]

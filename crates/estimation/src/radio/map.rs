@@ -18,7 +18,7 @@ use super::lattice::Lattice;
 use super::line::moments;
 use super::path_loss::mean_of_square_dbm;
 use super::range_fit::RangeModel;
-use super::{Emitter, RadioFix};
+use super::{Emitter, RadioFix, single};
 use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ pub struct Reading {
 pub struct MapParams {
     /// Degrees of freedom ν of the errors.
     pub dof: f64,
-    /// Standard deviation σ_c of the tag's offset, in the unit of the readings; 0 for none.
+    /// Standard deviation `σ_c` of the tag's offset, in the unit of the readings; 0 for none.
     pub offset_sigma: f64,
     /// Weight ω of hearing and not hearing; 0 where the readings are no whole scan.
     pub heard_weight: f64,
@@ -157,9 +157,9 @@ impl RadioMap {
         for place in 0..lattice.len() {
             for transmitter in 0..transmitters {
                 let here = expected(place, transmitter);
-                mean.push(here.mean as f32);
-                sigma.push(here.sigma as f32);
-                heard.push(here.heard as f32);
+                mean.push(single(here.mean));
+                sigma.push(single(here.sigma));
+                heard.push(single(here.heard));
             }
         }
         Self::try_from(Stored { lattice, transmitters, mean, sigma, heard }).ok()

@@ -74,3 +74,9 @@ impl Heard<'_> {
         slant * self.emitter.sigma_db / path_loss::fall_db(&self.emitter.path_loss, slant)
     }
 }
+
+/// In single precision: a strength, a range or a probability needs no more.
+#[expect(clippy::cast_possible_truncation, reason = "what is lost is far below any error of a radio")]
+fn single(value: f64) -> f32 {
+    value as f32
+}

@@ -6,7 +6,7 @@
 
 use super::line::moments;
 use super::map::PlaceFix;
-use super::{RadioFix, Reading};
+use super::{RadioFix, Reading, single};
 use adit_core::nalgebra::{Matrix2, Vector2};
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -43,12 +43,12 @@ pub struct Fingerprints {
 impl Fingerprints {
     /// The fix by the nearest fingerprints; `None` where there are none or nothing known is heard.
     pub fn nearest(&self, readings: &[Reading], params: &NearestParams) -> Option<PlaceFix> {
-        let unheard = params.unheard_dbm as f32;
+        let unheard = single(params.unheard_dbm);
         let mut scan = alloc::vec![unheard; self.transmitters];
         let mut any = false;
         for reading in readings {
             if let Some(place) = scan.get_mut(reading.transmitter) {
-                *place = reading.value as f32;
+                *place = single(reading.value);
                 any = true;
             }
         }

@@ -10,6 +10,7 @@
 
 use super::lattice::Lattice;
 use super::map::{PlaceFix, place_fix};
+use super::single;
 use alloc::vec;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -81,7 +82,7 @@ pub fn smooth(lattice: &Lattice, params: WalkParams, epochs: &[(f64, Vec<f64>)])
     for (interval_s, log_likelihood) in epochs {
         walk.wander(*interval_s);
         walk.hear(log_likelihood);
-        forwards.push(walk.weights.iter().map(|w| *w as f32).collect());
+        forwards.push(walk.weights.iter().map(|w| single(*w)).collect());
     }
     let mut after = vec![1.0; lattice.len()];
     let mut fixes = vec![None; epochs.len()];
@@ -95,7 +96,9 @@ pub fn smooth(lattice: &Lattice, params: WalkParams, epochs: &[(f64, Vec<f64>)])
             walk.spread.backwards(lattice, &mut after);
         }
         let largest = after.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        after.iter_mut().for_each(|w| *w /= largest);
+        for weight in &mut after {
+            *weight /= largest;
+        }
     }
     fixes
 }

@@ -9,7 +9,7 @@
 //! spot                           e_i ~ N(0, σ_s² + s²/n_i)
 //! ```
 //!
-//! s: spread of readings at one spot, known from the survey. σ_f, ℓ and σ_s are the same for all transmitters of a survey, at the maximum of
+//! s: spread of readings at one spot, known from the survey. `σ_f`, ℓ and `σ_s` are the same for all transmitters of a survey, at the maximum of
 //! their joint marginal likelihood. The trend is integrated out: its uncertainty is in the map's.
 //!
 //! Whether a scan hears the transmitter is a field of its own, a kernel mean of the shares at the spots near by with the

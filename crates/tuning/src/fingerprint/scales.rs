@@ -9,11 +9,11 @@ use serde::Serialize;
 /// Scales of the processes of a survey.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FieldScales {
-    /// Standard deviation σ_f of the shadowing.
+    /// Standard deviation `σ_f` of the shadowing.
     pub shadowing_sigma: f64,
     /// Its correlation length ℓ, m.
     pub length_m: f64,
-    /// Standard deviation σ_s of what one spot adds.
+    /// Standard deviation `σ_s` of what one spot adds.
     pub spot_sigma: f64,
     /// Variance s² of readings at one spot.
     pub within: f64,
@@ -108,7 +108,10 @@ pub fn search(
             for step in [factor, 1.0 / factor] {
                 let mut there = here;
                 there[axis] = (there[axis] * step).clamp(bounds[axis][0], bounds[axis][1]);
-                let value = if there == here { f64::NEG_INFINITY } else { likelihood(there) };
+                if there[axis].to_bits() == here[axis].to_bits() {
+                    continue;
+                }
+                let value = likelihood(there);
                 if value > best {
                     (here, best, moved) = (there, value, true);
                     break;

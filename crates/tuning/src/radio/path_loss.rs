@@ -116,12 +116,13 @@ pub fn fit(
     }
     let two =
         if params.two_slopes { second_slope(&mut records, sites.len(), &lines_params, &one) } else { None };
-    let (lines, breakpoint_m) = match two {
-        Some((lines, breakpoint_m)) => (lines, Some(breakpoint_m)),
-        None => {
-            records.iter_mut().for_each(|record| record.shared[1] = 0.0);
-            (one, None)
+    let (lines, breakpoint_m) = if let Some((lines, breakpoint_m)) = two {
+        (lines, Some(breakpoint_m))
+    } else {
+        for record in &mut records {
+            record.shared[1] = 0.0;
         }
+        (one, None)
     };
     let hearing = hear(&records, &lines, params);
     let emitter = |(site, [at_1m, exponent]): (&Option<Site>, &[f64; 2])| {

@@ -62,7 +62,7 @@ pub struct PooledLines {
     pub lines: Vec<[f64; 2]>,
     /// The common line.
     pub common: [f64; 2],
-    /// How the transmitters differ: τ_a, τ_b.
+    /// How the transmitters differ: `τ_a`, `τ_b`.
     pub between: [f64; 2],
     /// Shared coefficients γ.
     pub shared: [f64; 2],

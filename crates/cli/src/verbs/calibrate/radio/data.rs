@@ -186,7 +186,9 @@ impl RadioData {
         for scan in self.files.iter().flat_map(|file| &file.strengths) {
             lots.entry(spot_key(scan)).or_insert(0);
         }
-        lots.values_mut().for_each(|lot| *lot = random.next_u64());
+        for lot in lots.values_mut() {
+            *lot = random.next_u64();
+        }
         let mut drawn: Vec<([i64; 3], u64)> = lots.into_iter().collect();
         drawn.sort_by_key(|(_, lot)| *lot);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the length")]
