@@ -53,6 +53,7 @@ fn benchmarks(criterion: &mut Criterion) {
     let map = RadioMap::of_emitters(lattice, &placed, 1.2, &storeys, &hearing).expect("a map");
     let spots: Vec<_> =
         (0..400_u32).map(|k| (Vector2::new(f64::from(k % 20) * 3.0, f64::from(k / 20) * 2.0), 0)).collect();
+    #[expect(clippy::cast_possible_truncation, reason = "single precision is what fingerprints have")]
     let mean = |spot: &Vector2<f64>, emitter: &Emitter| {
         mean_dbm(&path_loss, (emitter.position_m - Vector3::new(spot.x, spot.y, 1.2)).norm()) as f32
     };

@@ -326,20 +326,24 @@ fn a_map_that_is_too_sure_is_believed_less() {
             .map(|emitter| (adit_estimation::radio::Emitter { sigma_db, ..emitter.unwrap() }, None))
             .collect();
         let map = RadioMap::of_emitters(lattice.clone(), &emitters, 1.2, &storeys, &hearing).unwrap();
-        belief::learn(&map, &scans, false)
+        belief::learn(&[(map, scans.clone())], false)
     };
     let (right, sharp) = (belief_at(4.0), belief_at(2.0));
     assert!(right.share >= 0.8 && sharp.share <= 0.4, "{right:?} {sharp:?}");
-    assert_eq!(
-        belief::learn(
-            &RadioMap::new(lattice, 1, |_, _| {
-                adit_estimation::radio::map::Expected { mean: -50.0, sigma: 4.0, heard: 0.5 }
-            })
-            .unwrap(),
-            &[],
-            true
-        )
-        .heard_weight,
-        MapParams::RANGES.heard_weight
-    );
+    assert_eq!(belief::learn(&[], true), MapParams::RANGES);
+    assert_eq!(belief::learn(&[], false), MapParams::SCAN);
+}
+
+#[test]
+fn every_spot_is_left_out_once() {
+    let mut hall = Hall::new(10);
+    let mut scans = hall.scans(100, |_, d| -42.0 - 24.0 * d.log10(), |_| 0.0, |_, _| true);
+    let folds = belief::folds(&scans, 0.4);
+    assert_eq!(folds.len(), 5);
+    assert!(folds.iter().all(|(kept, judged)| kept.len() == 80 && judged.len() == 20));
+    assert!(folds.iter().all(|(kept, judged)| judged.iter().all(|scan| !kept.contains(scan))));
+    assert!(scans.iter().all(|scan| folds.iter().filter(|(_, judged)| judged.contains(scan)).count() == 1));
+    assert!(belief::folds(&scans[..19], 0.4).is_empty());
+    scans[3].whole = false;
+    assert!(belief::folds(&scans, 0.4).is_empty());
 }

@@ -122,14 +122,16 @@ pub fn fit(
     })?;
     let empty = || TuningError::TooFewReadings { sensor: "radio", found: 0, expected: 1 };
     let ranges = params.kind == ReadingKind::Range;
-    let belief = match belief::fold(scans, params.cell_m) {
-        Some((kept, judged)) => {
-            let kept = by_spot(&kept, sites.len(), params.cell_m);
-            let map = map(&kept, sites, lattice.clone(), params, &scales).ok_or_else(empty)?;
-            belief::learn(&map, &judged, ranges)
-        }
-        None if ranges => MapParams::RANGES,
-        None => MapParams::PACKETS,
+    let folds = belief::folds(scans, params.cell_m);
+    let of_fold = |(kept, judged): (Vec<SurveyedScan>, Vec<SurveyedScan>)| {
+        let kept = by_spot(&kept, sites.len(), params.cell_m);
+        Some((map(&kept, sites, lattice.clone(), params, &scales)?, judged))
+    };
+    let judged: Vec<_> = folds.into_iter().filter_map(of_fold).collect();
+    let belief = match (judged.is_empty(), ranges) {
+        (false, _) => belief::learn(&judged, ranges),
+        (true, true) => MapParams::RANGES,
+        (true, false) => MapParams::PACKETS,
     };
     let map = map(&spots, sites, lattice, params, &scales).ok_or_else(empty)?;
     Ok(FingerprintFit { map, fingerprints: fingerprints(&spots, sites.len()), scales, belief })

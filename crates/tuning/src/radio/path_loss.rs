@@ -69,7 +69,7 @@ const FEWEST: usize = 10;
 const HEARING_ROUNDS: usize = 10;
 /// Silence that widens the scatter of what was heard by more is no matter of distance: walls stand there, and a path loss bent to explain them
 /// would be wrong everywhere.
-const MOST_SCATTER: f64 = 1.15;
+const MOST_SCATTER: f64 = 1.2;
 /// Where nothing is known of hearing.
 const HEARING: Hearing = Hearing { half_dbm: -90.0, width_db: 4.0, unsure: 0.1 };
 

@@ -53,24 +53,24 @@ impl SiteModels {
         let range_map_of = |fit: &RangesFit| {
             range_map_of(lattice.clone(), fit, sites, height_m).context("no devices with ranges")
         };
-        // How far to believe them is learnt from spots that the fit has not seen.
-        let belief = match belief::fold(&scans, PathLossParams::default().cell_m) {
-            Some((kept, judged)) => {
-                let fit = path_loss::fit(&kept, sites, &PathLossParams::default())?;
-                belief::learn(&map_of(&fit)?, &judged, false)
-            }
-            None => MapParams { heard_weight: 0.0, ..MapParams::SCAN },
+        // How far to believe them is learnt from spots that the fits have not seen.
+        let cell_m = PathLossParams::default().cell_m;
+        let judged = belief::folds(&scans, cell_m).into_iter().map(|(kept, judged)| {
+            let fit = path_loss::fit(&kept, sites, &PathLossParams::default())?;
+            Ok((map_of(&fit)?, judged))
+        });
+        let judged = judged.collect::<Result<Vec<_>>>()?;
+        let belief = if judged.is_empty() {
+            MapParams { heard_weight: 0.0, ..MapParams::SCAN }
+        } else {
+            belief::learn(&judged, false)
         };
+        let judged = belief::folds(&ranged, cell_m)
+            .into_iter()
+            .map(|(kept, judged)| Ok((range_map_of(&ranges::fit(&kept, sites)?)?, judged)));
+        let judged = judged.collect::<Result<Vec<_>>>()?;
         let range_map = match &ranges {
-            Some(fit) => {
-                let belief = match belief::fold(&ranged, PathLossParams::default().cell_m) {
-                    Some((kept, judged)) => {
-                        belief::learn(&range_map_of(&ranges::fit(&kept, sites)?)?, &judged, true)
-                    }
-                    None => MapParams::RANGES,
-                };
-                Some((range_map_of(fit)?, belief))
-            }
+            Some(fit) => Some((range_map_of(fit)?, belief::learn(&judged, true))),
             None => None,
         };
         let map = map_of(&fit)?;
