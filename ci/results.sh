@@ -3,12 +3,12 @@
 #   a block from `<!-- NAME:begin -->` to `<!-- NAME:end -->` of a page: the table NAME made below (`results`: the recorded
 #   sets with truth, `loops`: the walks without, `attitude`: the attitude trials next to VQF, `parts`: the same with a part of
 #   the method left out, `walks`: the simulated walk of system S2 over many seeds,
-#   `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `radio`: simulated radio next to recorded sets,
+#   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `radio`: simulated radio next to recorded sets,
 #   `shift`: speed and memory of simulating everybody in a mine, `steps`: counted steps of the recorded sets, `phone-walks`: dead reckoning at the waypoints of the recorded walks with a phone);
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
-#   docs/results/s0-position.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/people-plan.svg, docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes).
+#   docs/results/s0-position.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/people-plan.svg, docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -18,7 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 
-cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example shift_results --example step_results --example step_figure --example phone_walks
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example radio_results --example radio_figure --example shift_results --example step_results --example step_figure --example phone_walks
 cargo build --locked --release -p adit-simulation --example radio_realism --example people_plan
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
@@ -41,6 +41,8 @@ fi
 "$bin/examples/steel_figure" docs/results/steel-norm.svg docs/results/steel-heading.svg >"$fresh/steel.md"
 "$bin/examples/marg_walks" "$bin/adit" >"$fresh/marg.md"
 "$bin/examples/marg_figure" "$bin/adit" docs/results/marg-heading.svg
+"$bin/examples/radio_results" "$bin/adit" "$ADIT_DATA" "$fresh/radio-positions.md" || complete=$?
+"$bin/examples/radio_figure" docs/results/radio-positions.svg
 "$bin/examples/s0_results" "$bin/adit" scenarios "$fresh/s0.md" docs/results/s0-position.svg
 "$bin/examples/step_results" "$bin/adit" "$ADIT_DATA" "$fresh/steps.md" || complete=$?
 "$bin/examples/phone_walks" "$bin/adit" "$ADIT_DATA" "$fresh/phone-walks.md" || complete=$?

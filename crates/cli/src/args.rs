@@ -3,9 +3,11 @@
 mod calibrate;
 mod compare;
 pub mod mine;
+mod radio;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
+pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 
 use crate::method::MethodName;
 use crate::output::Target;
@@ -126,7 +128,7 @@ pub enum Verb {
     Track(TrackArgs),
     /// Judge an estimated path against the truth
     Eval(EvalArgs),
-    /// Learn the errors of a sensor from its own recording
+    /// Learn the errors of a sensor, or the radio of a site, from recordings
     Calibrate(CalibrateArgs),
     /// Check a mine file, or write it in another form
     Mine(mine::MineArgs),

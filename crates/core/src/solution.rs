@@ -2,7 +2,7 @@
 
 use crate::attitude::Attitude;
 use crate::time::Time;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Covariance of `[position (m), velocity (m/s), attitude (rotation vector in n, rad)]`.
@@ -43,23 +43,28 @@ impl Solution {
         self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
     }
 
-    /// Radius of the horizontal circle that holds the true position with 95 % probability, m.
-    ///
-    /// Exact for the line-like (1.9600 σ) and the circular (2.4477 σ) Gaussian; in between, where there is no closed
-    /// form, a polynomial in the squared ratio of the axes that is nowhere more than 0.1 % off the exact radius (fitted
-    /// to, and tested against, the numerical integral in `tests/reference/radius_95.py`).
-    /// NaN when the covariance is: a filter that has lost itself must not look certain.
+    /// Radius of the horizontal circle that holds the true position with 95 % probability, m: [`radius_95_m`].
     pub fn radius_95_m(&self) -> f64 {
-        let (a, b, c) = (self.covariance[(0, 0)], self.covariance[(0, 1)], self.covariance[(1, 1)]);
-        let mean = 0.5 * (a + c);
-        let half_gap = libm::hypot(0.5 * (a - c), b);
-        let major = no_less_than_zero(mean + half_gap);
-        if major == 0.0 {
-            return 0.0;
-        }
-        let ratio = no_less_than_zero(mean - half_gap) / major;
-        libm::sqrt(major) * (1.96 + ratio * (0.2113 + ratio * (0.4142 - ratio * 0.1378)))
+        radius_95_m(&self.covariance.fixed_view::<2, 2>(0, 0).into_owned())
     }
+}
+
+/// Radius of the circle that holds a normal error of this covariance (m²) with 95 % probability, m.
+///
+/// Exact for the line-like (1.9600 σ) and the circular (2.4477 σ) Gaussian; in between, where there is no closed
+/// form, a polynomial in the squared ratio of the axes that is nowhere more than 0.1 % off the exact radius (fitted
+/// to, and tested against, the numerical integral in `tests/reference/radius_95.py`).
+/// NaN when the covariance is: a filter that has lost itself must not look certain.
+pub fn radius_95_m(covariance_m2: &Matrix2<f64>) -> f64 {
+    let (a, b, c) = (covariance_m2[(0, 0)], covariance_m2[(0, 1)], covariance_m2[(1, 1)]);
+    let mean = 0.5 * (a + c);
+    let half_gap = libm::hypot(0.5 * (a - c), b);
+    let major = no_less_than_zero(mean + half_gap);
+    if major == 0.0 {
+        return 0.0;
+    }
+    let ratio = no_less_than_zero(mean - half_gap) / major;
+    libm::sqrt(major) * (1.96 + ratio * (0.2113 + ratio * (0.4142 - ratio * 0.1378)))
 }
 
 /// A rounding error below zero is zero; NaN, which `f64::max` would swallow, stays NaN.

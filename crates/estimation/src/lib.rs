@@ -5,6 +5,7 @@
 //! - [`inertial`]: alignment at rest, strapdown integration, the error-state filter and its smoother.
 //! - [`magnetic`]: the field as a compass, and when not to believe it.
 //! - [`pedestrian`]: what is true of people: when a foot stands still.
+//! - [`radio`]: position from signal strengths and round-trip ranges.
 //! - [`methods`]: the published systems and adit's own, each readable whole in one file.
 //!
 //! Everything takes one observation at a time in bounded memory and is `no_std` + `alloc`.
@@ -18,4 +19,5 @@ pub mod kalman;
 pub mod magnetic;
 pub mod methods;
 pub mod pedestrian;
+pub mod radio;
 mod settings;

@@ -10,6 +10,7 @@
 //! | sidecar of a log: mounting, frames, noise, calibration | [`sidecar`] | yes | yes |
 //! | trajectory as TUM text | [`tum`] | yes | yes |
 //! | truth as CSV | [`truth`] | yes | – |
+//! | radio survey, list of transmitters as CSV | [`survey`] | yes | – |
 //! | solutions with covariance as CSV | [`solution_csv`] | yes | yes |
 //!
 //! Whoever wants observations calls [`open`], which tells the format by content, applies the sidecar and checks
@@ -68,6 +69,8 @@ pub mod sidecar;
 pub mod solution_csv;
 #[cfg(feature = "std")]
 mod source;
+#[cfg(feature = "std")]
+pub mod survey;
 #[cfg(feature = "std")]
 pub mod truth;
 #[cfg(feature = "std")]

@@ -4,15 +4,19 @@
 //! |---|---|---|
 //! | hard and soft iron, axes | [`magnetometer`] | a tumble in a constant field → offset, matrix, how sure |
 //! | white noise, bias instability, random walk | [`noise`] | a sensor at rest → Allan deviation, densities |
+//! | path loss of transmitters, offsets of ranges | [`radio`] | a survey → models, robust, pooled |
+//! | radio map | [`fingerprint`] | a survey → mean, spread and chance of hearing at every place |
 //! | declination, dip, strength of the Earth's field | [`geomagnetic`] | place and day → World Magnetic Model |
 //!
 //! Readings come in as [`Series`], in sensor axes and SI units (field in µT), before any sidecar. What comes out fits into a sidecar
 //! ([`adit_observation::sidecar`]). Nothing here reads or writes files; memory is that of the readings and a few numbers for each.
 
 mod error;
+pub mod fingerprint;
 pub mod geomagnetic;
 pub mod magnetometer;
 pub mod noise;
+pub mod radio;
 mod robust;
 mod series;
 

@@ -1,6 +1,7 @@
 //! `adit calibrate`: its verbs and their flags.
 
 use super::number;
+use super::radio::{CalibrateFingerprintArgs, CalibratePathlossArgs};
 use crate::output::Target;
 use adit_tuning::geomagnetic::{Day, Site};
 use clap::{Args, Subcommand, ValueHint};
@@ -52,6 +53,10 @@ pub enum Calibration {
     Mag(CalibrateMagArgs),
     /// Noise of gyro and accelerometer, from a rest
     Noise(CalibrateNoiseArgs),
+    /// Path loss of access points or beacons and offsets of their ranges, from a survey or walks
+    Pathloss(CalibratePathlossArgs),
+    /// Radio map of a site, from fingerprints
+    Fingerprint(CalibrateFingerprintArgs),
 }
 
 impl Calibration {
@@ -60,6 +65,8 @@ impl Calibration {
         let (out, json) = match self {
             Self::Mag(args) => (&args.out, args.json),
             Self::Noise(args) => (&args.out, args.json),
+            Self::Pathloss(args) => (&args.out, args.radio.json),
+            Self::Fingerprint(args) => (&args.out, args.radio.json),
         };
         *out == Target::Stdout && json
     }

@@ -1,7 +1,8 @@
-//! `adit calibrate`: what a sensor's own recording tells about its errors, into a sidecar.
+//! `adit calibrate`: what a sensor's own recording tells about its errors, into a sidecar; what a survey tells about the radio of a site.
 
 mod mag;
 mod noise;
+mod radio;
 mod readings;
 
 use crate::args::{CalibrateArgs, Calibration};
@@ -15,6 +16,8 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
     match &args.what {
         Calibration::Mag(args) => mag::run(args),
         Calibration::Noise(args) => noise::run(args),
+        Calibration::Pathloss(args) => radio::pathloss::run(args),
+        Calibration::Fingerprint(args) => radio::fingerprint::run(args),
     }
 }
 
