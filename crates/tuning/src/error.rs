@@ -97,6 +97,16 @@ pub enum TuningError {
         /// Which axis.
         axis: &'static str,
     },
+    /// A search that cannot begin, or not go on from where it was.
+    #[error("{what}: found {found}, expected {expected}")]
+    Search {
+        /// Which setting.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What is needed.
+        expected: String,
+    },
     /// The World Magnetic Model has no answer there and then.
     #[error("no magnetic model for this place and day: {reason}")]
     NoMagneticModel {

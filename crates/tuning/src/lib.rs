@@ -8,6 +8,8 @@
 //! | radio map | [`fingerprint`] | a survey → mean, spread and chance of hearing at every place |
 //! | declination, dip, strength of the Earth's field | [`geomagnetic`] | place and day → World Magnetic Model |
 //!
+//! [`optimise`] finds the parameters of anything by trial: bat, sine cosine, both together as in system S1, and CMA-ES.
+//!
 //! Readings come in as [`Series`], in sensor axes and SI units (field in µT), before any sidecar. What comes out fits into a sidecar
 //! ([`adit_observation::sidecar`]). Nothing here reads or writes files; memory is that of the readings and a few numbers for each.
 
@@ -16,6 +18,7 @@ pub mod fingerprint;
 pub mod geomagnetic;
 pub mod magnetometer;
 pub mod noise;
+pub mod optimise;
 pub mod radio;
 mod robust;
 mod series;
