@@ -1,5 +1,6 @@
 //! Who walks: build, speeds, habits.
 
+use super::errands::Pace;
 use super::posture::Manner;
 use crate::error::{SimulationError, check_within};
 use crate::gait::Gait;
@@ -60,6 +61,15 @@ impl Body {
         check_within("keep_right_m", self.keep_right_m, 0.0, 10.0, "0 to 10 m")?;
         check_within("wander_m", self.wander_m, 0.0, 2.0, "0 to 2 m")?;
         check_within("headroom", self.headroom, 0.2, 1.0, "0.2 to 1")
+    }
+
+    /// The same person at another speed of a pace, m/s.
+    pub(super) fn at_speed(&self, pace: Pace, speed_m_s: f64) -> Self {
+        match pace {
+            Pace::Walk => Self { walk_m_s: speed_m_s, ..*self },
+            Pace::Run => Self { run_m_s: speed_m_s, ..*self },
+            Pace::Crawl => Self { crawl_m_s: speed_m_s, ..*self },
+        }
     }
 
     /// Length (m) and time (s) of a step, at this manner's speed.
