@@ -11,6 +11,7 @@ pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, Radio
 
 use crate::method::MethodName;
 use crate::output::Target;
+use adit_estimation::methods::RadioUse;
 use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
@@ -54,9 +55,14 @@ Output:
   TUM text, a line `t x y z qx qy qz qw` for every inertial sample: metres, z up, quaternion sensor to world, scalar last;
   the walk starts at the origin. Files appear when complete, never half written.
 
+Radio:
+  wifi makes positions of the signal strengths in the log. It needs to know the site: --mine gives places (and path loss) of access
+  points, --radio what adit calibrate found on the spot; both together: what was calibrated goes first.
+
 Examples:
   adit track walk_imu.csv.gz --method foot-ins -o walk.tum
   adit track walk.mcap --method foot-ins --smooth -o walk.tum --json report.json
+  adit track shift/p001/log.mcap --method wifi --mine shift/mine.json -o p001.tum
   adit track part1.csv part2.csv --method foot-ins -o - | gzip > walk.tum.gz";
 
 const EVAL_EXAMPLES: &str = "\
@@ -102,16 +108,10 @@ impl Adit {
             let what = "-o and --json cannot both go to stdout";
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
         }
-        if let Verb::Track(TrackArgs { method, smooth, lag, .. }) = args.verb {
-            let over = match () {
-                () if smooth && !method.has_whole_log() => Some("--smooth"),
-                () if lag.is_some() && !method.has_fixed_lag() => Some("--lag"),
-                () => None,
-            };
-            if let Some(flag) = over {
-                let what = format!("{} has no smoother: {flag} cannot be used with it", method.name());
-                return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
-            }
+        if let Verb::Track(track) = &args.verb
+            && let Some((kind, what)) = track.contradiction()
+        {
+            return Err(Self::command().error(kind, what));
         }
         Ok(args)
     }
@@ -223,6 +223,14 @@ pub struct TrackArgs {
     #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
+    /// The mine: TOML, JSON or GeoJSON, or a bare list of places, CSV with `anchor_id,x_m,y_m,z_m`
+    #[arg(long, value_name = "MINE", value_hint = ValueHint::FilePath)]
+    pub mine: Option<PathBuf>,
+
+    /// The radio of the site as `adit calibrate pathloss` or `fingerprint` wrote it
+    #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
+    pub radio: Option<PathBuf>,
+
     /// Smooth over the whole log, forwards and backwards; holds it in memory
     #[arg(long)]
     pub smooth: bool,
@@ -238,6 +246,39 @@ pub struct TrackArgs {
     /// Solutions to write with velocity and covariance, CSV (what eval --covariance reads)
     #[arg(long, value_name = "OUT.csv", value_hint = ValueHint::FilePath)]
     pub covariance: Option<PathBuf>,
+}
+
+impl TrackArgs {
+    /// What the method cannot do with the flags, or without them.
+    fn contradiction(&self) -> Option<(ErrorKind, String)> {
+        let Self { method, smooth, lag, mine, radio, .. } = self;
+        let name = method.name();
+        let over = match () {
+            () if *smooth && !method.has_whole_log() => Some("--smooth"),
+            () if lag.is_some() && !method.has_fixed_lag() => Some("--lag"),
+            () => None,
+        };
+        if let Some(flag) = over {
+            let what = format!("{name} has no smoother: {flag} cannot be used with it");
+            return Some((ErrorKind::ArgumentConflict, what));
+        }
+        let site = mine.as_ref().map(|_| "--mine").or(radio.as_ref().map(|_| "--radio"));
+        match (method.radio(), site) {
+            (RadioUse::Unused, Some(flag)) => {
+                let what =
+                    format!("{name} makes no use of the radio of a site: {flag} cannot be used with it");
+                Some((ErrorKind::ArgumentConflict, what))
+            }
+            (RadioUse::Needed, None) => {
+                let what = format!(
+                    "{name} needs the radio of the site: --mine MINE (places of access points) or --radio MODEL \
+                     (of adit calibrate pathloss or fingerprint)"
+                );
+                Some((ErrorKind::MissingRequiredArgument, what))
+            }
+            _ => None,
+        }
+    }
 }
 
 /// `adit eval`.

@@ -14,6 +14,7 @@ mod method;
 mod mounting;
 mod output;
 mod progress;
+mod radio_site;
 mod scenario_file;
 mod verbs;
 

@@ -5,7 +5,7 @@
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
-use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning};
+use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning, RadioUse};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -26,6 +26,8 @@ pub enum MethodName {
     FullInsWifi,
     /// Steps of a tag worn at the waist, in a pocket or in the hand, their length and direction; position fixes where there are
     Pdr,
+    /// Positions by signal strength alone; needs --mine or --radio
+    Wifi,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -52,6 +54,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::Pdr => {
                 type $settings = adit_estimation::methods::pdr::PdrParams;
+                $body
+            }
+            $crate::method::MethodName::Wifi => {
+                type $settings = adit_estimation::methods::wifi::WifiParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -81,7 +87,12 @@ impl MethodName {
 
     /// Whether it estimates positions, not attitude alone.
     pub fn estimates_path(self) -> bool {
-        with_settings!(self, S => S::ESTIMATES == Estimates::Path)
+        with_settings!(self, S => S::ESTIMATES != Estimates::Attitude)
+    }
+
+    /// What it does with the radio of a site.
+    pub fn radio(self) -> RadioUse {
+        with_settings!(self, S => S::RADIO)
     }
 
     /// What a sidecar says that does not suit the method.
@@ -92,7 +103,7 @@ impl MethodName {
                 self.name()
             )),
             (_, None | Some(Location::Foot))
-            | (Self::Pdr | Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
+            | (Self::Pdr | Self::Wifi | Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))

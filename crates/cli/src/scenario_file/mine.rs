@@ -2,6 +2,7 @@
 
 use super::roadway::told;
 use super::{Kind, Preset, Run, Scenario};
+use adit_estimation::radio::RadioSite;
 use adit_mine::Mine;
 use adit_observation::sidecar::Sidecar;
 use adit_simulation::people::{Belt, PopulationSpec};
@@ -125,6 +126,14 @@ impl Scenario {
     /// Whether the scenario is about everybody in a mine.
     pub fn has_everybody(&self) -> bool {
         *self.entries.kind.get_ref() == Kind::Mine
+    }
+
+    /// What is known of the radio of the mine of `kind = "mine"`; `None` of the other kinds.
+    pub fn radio_site(&self) -> Result<Option<Arc<RadioSite>>> {
+        let entry = self.entries.mine.as_ref().filter(|_| self.has_everybody());
+        let Some(entry) = entry else { return Ok(None) };
+        let mine = self.mine(&entry.get_ref().file)?;
+        Ok(Some(Arc::new(RadioSite::of_plan(mine.plan()))))
     }
 
     /// Makes everybody in the mine of `kind = "mine"`.

@@ -7,6 +7,7 @@ use crate::log_stream::LogStream;
 use crate::method::{self, MethodName, with_settings};
 use crate::output::{self, Staged, Target};
 use crate::progress::{self, Progress, Unit};
+use crate::radio_site;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Pose;
 use adit_estimation::methods::{Estimates, MethodReport, MethodSettings};
@@ -71,7 +72,10 @@ pub fn track(args: &TrackArgs) -> Result<TrackReport> {
 fn track_by<S: MethodSettings>(args: &TrackArgs) -> Result<TrackReport> {
     let clock = Instant::now();
     let mut stream = LogStream::open(&args.logs)?;
-    let settings: S = method::settings(stream.sidecar(), args.config.as_deref())?;
+    let mut settings: S = method::settings(stream.sidecar(), args.config.as_deref())?;
+    if let Some(site) = radio_site::read(args.mine.as_deref(), args.radio.as_deref())? {
+        settings = settings.at_site(&site);
+    }
     tracing::debug!("settings: {settings:?}");
     let mut outputs = Outputs::create(args)?;
     let run = if args.smooth {
@@ -208,7 +212,8 @@ fn report<S: MethodSettings>(
     elapsed_s: f64,
 ) -> Result<TrackReport> {
     let back_m = journey.end_from_start_m();
-    let path = S::ESTIMATES == Estimates::Path;
+    let path = S::ESTIMATES != Estimates::Attitude;
+    let turned = S::ESTIMATES != Estimates::Position;
     Ok(TrackReport {
         method: S::NAME,
         estimates: S::ESTIMATES,
@@ -223,8 +228,8 @@ fn report<S: MethodSettings>(
         end_from_start_2d_m: path.then_some(back_m.xy().norm()),
         end_from_start_up_m: path.then_some(back_m.z),
         end_radius_95_m: journey.radius_95_m().filter(|_| path),
-        end_heading_sigma_deg: journey.heading_sigma_rad().map(f64::to_degrees),
-        end_inclination_sigma_deg: journey.inclination_sigma_rad().map(f64::to_degrees),
+        end_heading_sigma_deg: journey.heading_sigma_rad().map(f64::to_degrees).filter(|_| turned),
+        end_inclination_sigma_deg: journey.inclination_sigma_rad().map(f64::to_degrees).filter(|_| turned),
         share_at_rest: run.report.share_at_rest(),
         elapsed_s,
         times_real_time: journey.duration_s() / elapsed_s.max(f64::MIN_POSITIVE),
@@ -294,6 +299,8 @@ impl TrackReport {
             method,
             out: Target::File(out),
             config: Some(config),
+            mine: None,
+            radio: None,
             smooth: false,
             lag: None,
             json: None,

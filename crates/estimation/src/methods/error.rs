@@ -58,6 +58,26 @@ pub enum MethodError {
         /// Time of the sample.
         time: Time,
     },
+    /// What is known of the site does not allow what the method does.
+    #[error("{method} needs {needs}")]
+    NoRadio {
+        /// Name of the method.
+        method: &'static str,
+        /// What it needs, and where that comes from.
+        needs: &'static str,
+    },
+    /// The log holds no signal strength that tells a position.
+    #[error(
+        "no position: of {signals} signal strengths in the log, {unknown} are of transmitters that are not known{names}"
+    )]
+    NoPosition {
+        /// Signals in the log.
+        signals: u64,
+        /// Of these, from unknown transmitters.
+        unknown: u64,
+        /// The first of them in brackets; empty of none.
+        names: String,
+    },
     /// The log ended before the first sample.
     #[error("the log holds no IMU sample")]
     Empty,
@@ -93,6 +113,15 @@ pub enum MethodWarning {
     DisturbedAtStart {
         /// Its norm, µT.
         norm_ut: f64,
+    },
+    /// Signals of transmitters that the site does not know: left.
+    UnknownTransmitters {
+        /// How many transmitters, at least.
+        transmitters: usize,
+        /// How many signals.
+        signals: u64,
+        /// The first of them.
+        names: String,
     },
     /// A field that was refused proved right: the heading was off, and so is the path until then.
     HeadingOpened {
@@ -130,6 +159,9 @@ impl MethodWarning {
             ),
             Self::DisturbedAtStart { norm_ut } => alloc::format!(
                 "the magnetic field at the start, {norm_ut:.1} µT, is not the Earth's: the heading is uncertain until it is"
+            ),
+            Self::UnknownTransmitters { transmitters, signals, names } => alloc::format!(
+                "{signals} signal strengths of {transmitters} unknown transmitters ({names}) were left: neither the mine nor the radio model has them"
             ),
             Self::HeadingOpened { time, offset_deg } => alloc::format!(
                 "the heading was off by about {offset_deg:.0}° until {time} s, when the magnetic field proved right: the path before is turned"

@@ -30,13 +30,16 @@ pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
+pub mod wifi;
 
 pub use error::{MethodError, MethodWarning};
 
 use crate::magnetic::gate::ReferenceField;
+use crate::radio::RadioSite;
 use adit_core::solution::Solution;
 use adit_observation::{ImuSpecification, Observation, Site, StartPose};
 use alloc::boxed::Box;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt::Debug;
 use serde::Serialize;
@@ -48,8 +51,21 @@ use serde::de::DeserializeOwned;
 pub enum Estimates {
     /// Position, velocity and attitude.
     Path,
+    /// Position alone: the attitude is none, nothing is known of velocity and attitude but what is true of everybody.
+    Position,
     /// Attitude alone: position and velocity are zero, with zero covariance.
     Attitude,
+}
+
+/// What a method does with the radio of a site: places of transmitters, path loss, maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RadioUse {
+    /// Nothing.
+    Unused,
+    /// Positions by signal strength, where something is known.
+    Optional,
+    /// Nothing works without.
+    Needed,
 }
 
 /// What is known of a sensor and a site beside the log; a method takes what it can use.
@@ -129,10 +145,19 @@ pub trait MethodSettings: Clone + Debug + Default + Serialize + DeserializeOwned
     const FIXED_LAG: bool = false;
     /// Whether [`Self::smooth`] exists.
     const WHOLE_LOG: bool = false;
+    /// What [`Self::at_site`] is good for.
+    const RADIO: RadioUse = RadioUse::Unused;
 
     /// These settings with what is known of the sensor and the site.
     #[must_use]
     fn knowing(self, known: &Known) -> Self;
+
+    /// These settings with the radio of the site; it is no setting itself and is never written with them.
+    #[must_use]
+    fn at_site(self, radio: &Arc<RadioSite>) -> Self {
+        let _ = radio;
+        self
+    }
 
     /// Starts the method, streaming.
     fn start(self) -> Result<Box<dyn Method<Report = Self::Report>>, MethodError>;

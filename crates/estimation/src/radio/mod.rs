@@ -10,6 +10,9 @@
 //! | nearest fingerprints | fingerprints | [`nearest`] |
 //! | a walk over the lattice | a map | [`walk`] |
 //!
+//! In a log: signals are gathered into scans ([`scan`]), a [`locator`] with what is known of the [`site`] makes a position of each, and a
+//! [`Listener`] is both of them, for the methods that use radio.
+//!
 //! Frame: east and north of the mine's grid or any local level frame, m. Heights count where transmitters and tag have one: the
 //! distance is that in space. Signal strength in dBm, its errors in dB; a path loss is [`adit_mine::plan::PathLoss`].
 //! Every method tells a covariance, from the errors of its readings carried to first order; how honest it is stands in
@@ -23,17 +26,24 @@ mod fix;
 mod gauss_newton;
 pub mod lattice;
 mod line;
+mod listener;
+pub mod locator;
 pub mod map;
+pub mod model;
 pub mod nearest;
 pub mod path_loss;
 pub mod range_fit;
+pub mod scan;
 pub mod signal_fit;
+pub mod site;
 pub mod trilateration;
 pub mod walk;
 
 pub use fix::{AreaPrior, RadioFix};
 pub use lattice::Lattice;
+pub use listener::{HeardReport, Listener};
 pub use map::{MapParams, PlaceFix, RadioMap, Reading};
+pub use site::RadioSite;
 
 pub use adit_mine::plan::PathLoss;
 

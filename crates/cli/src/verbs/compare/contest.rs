@@ -55,8 +55,11 @@ struct Driven {
 }
 
 fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Result<Driven, MethodError>> {
-    let settings: S =
+    let mut settings: S =
         config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
+    if let Some(radio) = &trial.radio {
+        settings = settings.at_site(radio);
+    }
     let samples = trial.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
     if samples == 0 {
         bail!("no inertial samples, expected some");

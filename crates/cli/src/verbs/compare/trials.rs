@@ -3,6 +3,7 @@
 use crate::log_stream::LogStream;
 use crate::scenario_file::{Contest, Scenario};
 use adit_core::trajectory::{Pose, Trajectory};
+use adit_estimation::radio::RadioSite;
 use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
 use adit_observation::sidecar::Sidecar;
@@ -11,6 +12,7 @@ use adit_simulation::{Emission, TruthState};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Names of a simulated pair.
 const SIMULATED: (&str, &str) = ("log.mcap", "truth.tum");
@@ -35,6 +37,8 @@ pub struct Trial {
     pub truth: Vec<TrueState>,
     /// What is told beside the log.
     pub sidecar: Option<Sidecar>,
+    /// What is known of the radio of its site.
+    pub radio: Option<Arc<RadioSite>>,
     /// The truth has positions.
     pub has_position: bool,
     /// The truth has attitudes.
@@ -110,7 +114,15 @@ fn simulated(scenario: &Scenario, seed: u64) -> Result<Trial> {
         }
     }
     let name = format!("seed {seed}");
-    Ok(Trial { name, observations, truth, sidecar: run.sidecar, has_position: true, has_attitude: true })
+    Ok(Trial {
+        name,
+        observations,
+        truth,
+        sidecar: run.sidecar,
+        radio: scenario.radio_site()?,
+        has_position: true,
+        has_attitude: true,
+    })
 }
 
 fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
@@ -126,6 +138,7 @@ fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
         observations,
         truth: known.trajectory.poses().iter().map(state).collect(),
         sidecar: stream.sidecar().cloned(),
+        radio: None,
         has_position: known.has_position,
         has_attitude: known.has_attitude && carries_attitude(&known.trajectory),
     })

@@ -6,32 +6,14 @@ use super::judge::{Table, tables};
 use super::models::lattice;
 use super::{deliver, read, trials, walks};
 use crate::args::CalibrateFingerprintArgs;
-use adit_estimation::radio::nearest::{Fingerprints, NearestParams};
-use adit_estimation::radio::{MapParams, PlaceFix, RadioMap, Reading};
+use adit_estimation::radio::model::{FingerprintModel, ModelKind, VERSION};
+use adit_estimation::radio::nearest::NearestParams;
+use adit_estimation::radio::{MapParams, PlaceFix, Reading};
 use adit_tuning::fingerprint::{self, FieldScales, FingerprintFit, FingerprintParams, ReadingKind};
 use adit_tuning::radio::Site;
 use anyhow::Result;
 use serde::Serialize;
 use std::fmt::Write as _;
-
-/// What is written.
-#[derive(Serialize)]
-struct FingerprintFile<'a> {
-    /// Names of the transmitters, in the order of the map.
-    transmitters: Vec<&'a str>,
-    /// What strengths to expect where, dBm.
-    strengths: &'a RadioMap,
-    /// What ranges to expect where, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ranges: Option<&'a RadioMap>,
-    /// How far to believe the strengths.
-    belief: MapParams,
-    /// How far to believe the ranges.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    range_belief: Option<MapParams>,
-    /// The spots as surveyed.
-    fingerprints: &'a Fingerprints,
-}
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -115,13 +97,15 @@ pub fn run(args: &CalibrateFingerprintArgs) -> Result<()> {
     }
     let tables = tables(&results);
     let maps = SiteMaps::new(&all, &sites)?;
-    let file = FingerprintFile {
-        transmitters: all.transmitters.iter().map(adit_observation::DeviceId::as_str).collect(),
-        strengths: &maps.strengths.map,
-        ranges: maps.ranges.as_ref().map(|ranges| &ranges.map),
+    let file = FingerprintModel {
+        kind: ModelKind::Fingerprint,
+        version: VERSION,
+        transmitters: all.transmitters.clone(),
+        strengths: maps.strengths.map.clone(),
+        ranges: maps.ranges.as_ref().map(|ranges| ranges.map.clone()),
         belief: maps.strengths.belief,
         range_belief: maps.ranges.as_ref().map(|ranges| ranges.belief),
-        fingerprints: &maps.strengths.fingerprints,
+        fingerprints: maps.strengths.fingerprints.clone(),
     };
     let text = serde_json::to_string(&file)? + "\n";
     let said = if args.radio.json {

@@ -31,10 +31,13 @@ pub struct SiteModels {
     pub ranges: Option<RangesFit>,
     /// Where people are.
     pub area: AreaPrior,
-    sites: Vec<Option<Site>>,
-    height_m: f64,
+    /// Places of the transmitters.
+    pub sites: Vec<Option<Site>>,
+    /// Mean height of the tag, m.
+    pub height_m: f64,
     map: RadioMap,
-    belief: MapParams,
+    /// How far to believe the map.
+    pub belief: MapParams,
     range_map: Option<(RadioMap, MapParams)>,
 }
 

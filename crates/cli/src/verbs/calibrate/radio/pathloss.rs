@@ -6,36 +6,15 @@ use super::models::SiteModels;
 use super::{contest, deliver, read, trials};
 use crate::args::CalibratePathlossArgs;
 use adit_core::frames::Position;
-use adit_estimation::radio::AreaPrior;
-use adit_estimation::radio::map::{Hearing, Storeys};
+use adit_estimation::radio::model::{ModelKind, PathLossModel, SignalScatter, VERSION};
 use adit_estimation::radio::range_fit::RangeModel;
 use adit_mine::plan::{AccessPoint, Radio};
+use adit_tuning::radio::Site;
 use adit_tuning::radio::path_loss::PathLossFit;
 use adit_tuning::radio::ranges::RangesFit;
 use anyhow::Result;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
-
-/// What is written: `[[access_points]]` as in a mine file, and what the methods need besides.
-#[derive(Debug, Serialize)]
-struct PathLossFile {
-    signal: Signal,
-    hearing: Hearing,
-    storeys: Storeys,
-    area: AreaPrior,
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    ranges: BTreeMap<String, RangeModel>,
-    access_points: Vec<AccessPoint>,
-}
-
-/// How strengths scatter about the path loss.
-#[derive(Debug, Serialize)]
-struct Signal {
-    sigma_db: f64,
-    rssi_at_1m_dbm: f64,
-    exponent: f64,
-}
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -83,7 +62,7 @@ pub fn run(args: &CalibratePathlossArgs) -> Result<()> {
     deliver(&args.out, &text, &said)
 }
 
-fn file(all: &RadioData, models: &SiteModels) -> PathLossFile {
+fn file(all: &RadioData, models: &SiteModels) -> PathLossModel {
     let fit = &models.fit;
     let access_point =
         |(id, emitter): (&adit_observation::DeviceId, &Option<adit_estimation::radio::Emitter>)| {
@@ -100,16 +79,27 @@ fn file(all: &RadioData, models: &SiteModels) -> PathLossFile {
         };
     let range =
         |(id, model): (&adit_observation::DeviceId, &Option<RangeModel>)| Some((id.to_string(), (*model)?));
-    PathLossFile {
-        signal: Signal { sigma_db: fit.sigma_db, rssi_at_1m_dbm: fit.common[0], exponent: fit.common[1] },
+    let floor =
+        |(id, site): (&adit_observation::DeviceId, &Option<Site>)| Some((id.to_string(), (*site)?.floor?));
+    PathLossModel {
+        kind: ModelKind::PathLoss,
+        version: VERSION,
+        signal: SignalScatter {
+            height_m: models.height_m,
+            sigma_db: fit.sigma_db,
+            rssi_at_1m_dbm: fit.common[0],
+            exponent: fit.common[1],
+        },
         hearing: fit.hearing,
         storeys: fit.storeys,
         area: models.area,
+        belief: models.belief,
         ranges: models
             .ranges
             .iter()
             .flat_map(|ranges| all.transmitters.iter().zip(&ranges.models).filter_map(range))
             .collect(),
+        floors: all.transmitters.iter().zip(&models.sites).filter_map(floor).collect(),
         access_points: all.transmitters.iter().zip(&fit.emitters).filter_map(access_point).collect(),
     }
 }

@@ -1,0 +1,176 @@
+//! What is known of the radio of a site: places and path loss of its transmitters, maps, fingerprints.
+//!
+//! From a mine ([`RadioSite::of_plan`]), from a calibration ([`RadioSite::with_path_loss`], [`RadioSite::with_fingerprints`]), or from both: what was
+//! calibrated goes before what the mine's file says. A [`Locator`](super::locator::Locator) takes of it what its method needs.
+
+use super::map::{Hearing, Storeys};
+use super::model::{FingerprintModel, PathLossModel};
+use super::nearest::Fingerprints;
+use super::{AreaPrior, MapParams, PathLoss, RadioMap};
+use adit_core::nalgebra::{Vector2, Vector3};
+use adit_mine::plan::{AccessPoint, MinePlan};
+use adit_observation::DeviceId;
+use alloc::string::String;
+use alloc::vec::Vec;
+use serde::{Deserialize, Serialize};
+
+/// People are found this far from a centre line where a roadway is narrower, m.
+const MARGIN_M: f64 = 1.0;
+/// Places along centre lines this far apart tell where people are, m.
+const SPOT_M: f64 = 1.0;
+
+/// A transmitter of the site.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Transmitter {
+    /// Its id; logs may name it so, or by its MAC address.
+    pub id: String,
+    /// MAC address.
+    pub mac: Option<String>,
+    /// East, north, height of its antenna, m.
+    pub position_m: Vector3<f64>,
+    /// Floor, where that is told.
+    pub floor: Option<i32>,
+    /// Transmit power, dBm.
+    pub tx_power_dbm: Option<f64>,
+    /// How its signal falls off, where that was calibrated.
+    pub path_loss: Option<PathLoss>,
+}
+
+/// What of a calibration is the same for all transmitters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Calibrated {
+    /// Standard deviation of one reading, dB.
+    pub sigma_db: f64,
+    /// Height of the tag in the survey, m.
+    pub height_m: f64,
+    /// How weak a signal is heard.
+    pub hearing: Hearing,
+    /// What a floor between takes.
+    pub storeys: Storeys,
+    /// How far to believe a map of it.
+    pub belief: MapParams,
+}
+
+/// Fingerprints and the map made of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Surveyed {
+    /// Names of the transmitters by their number in the map.
+    pub transmitters: Vec<DeviceId>,
+    /// What strengths to expect where.
+    pub map: RadioMap,
+    /// How far to believe them.
+    pub belief: MapParams,
+    /// The spots as surveyed.
+    pub fingerprints: Fingerprints,
+}
+
+/// All that is known of the radio of a site.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RadioSite {
+    /// Transmitters whose place is known.
+    pub transmitters: Vec<Transmitter>,
+    /// Places where people are, east, north, m: along the centre lines of roadways.
+    pub spots_m: Vec<Vector2<f64>>,
+    /// How far from them, m.
+    pub reach_m: f64,
+    /// Mean and spread of where people are.
+    pub area: Option<AreaPrior>,
+    /// Of a calibrated path loss.
+    pub calibrated: Option<Calibrated>,
+    /// Of surveyed fingerprints.
+    pub surveyed: Option<Surveyed>,
+}
+
+impl RadioSite {
+    /// Access points and roadways of a mine; where it has no access points, its anchors stand for them (a bare list of places).
+    pub fn of_plan(plan: &MinePlan) -> Self {
+        let mut transmitters: Vec<Transmitter> = plan.access_points.iter().map(Transmitter::of).collect();
+        if transmitters.is_empty() {
+            transmitters.extend(plan.anchors.iter().map(|anchor| Transmitter {
+                id: anchor.id.clone(),
+                mac: None,
+                position_m: *anchor.position_m.raw(),
+                floor: None,
+                tx_power_dbm: anchor.tx_power_dbm,
+                path_loss: None,
+            }));
+        }
+        let mut spots_m = Vec::new();
+        for roadway in &plan.roadways {
+            for leg in roadway.points_m.windows(2) {
+                let (from, to) = (leg[0].raw().xy(), leg[1].raw().xy());
+                let parts = libm::ceil((to - from).norm() / SPOT_M).max(1.0);
+                let mut part = 0.0;
+                while part <= parts {
+                    spots_m.push(from + (to - from) * (part / parts));
+                    part += 1.0;
+                }
+            }
+        }
+        let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
+        let area = AreaPrior::of(&spots_m, MARGIN_M);
+        let reach_m = MARGIN_M.max(0.5 * widest_m);
+        Self { transmitters, spots_m, reach_m, area, calibrated: None, surveyed: None }
+    }
+
+    /// The same with what `adit calibrate pathloss` found.
+    #[must_use]
+    pub fn with_path_loss(mut self, model: PathLossModel) -> Self {
+        for access_point in &model.access_points {
+            let floor = model.floors.get(&access_point.id).copied();
+            let calibrated = Transmitter { floor, ..Transmitter::of(access_point) };
+            match self.transmitters.iter_mut().find(|known| known.is_called(&calibrated.id)) {
+                Some(known) => {
+                    // A file of a mine names it by its id and its MAC address, a survey by one of them.
+                    let (id, mac) = (known.id.clone(), known.mac.clone());
+                    *known = Transmitter { id, mac, ..calibrated };
+                }
+                None => self.transmitters.push(calibrated),
+            }
+        }
+        self.area = Some(model.area);
+        self.calibrated = Some(Calibrated {
+            sigma_db: model.signal.sigma_db,
+            height_m: model.signal.height_m,
+            hearing: model.hearing,
+            storeys: model.storeys,
+            belief: model.belief,
+        });
+        self
+    }
+
+    /// The same with what `adit calibrate fingerprint` found.
+    #[must_use]
+    pub fn with_fingerprints(mut self, model: FingerprintModel) -> Self {
+        let FingerprintModel { transmitters, strengths, belief, fingerprints, .. } = model;
+        self.surveyed = Some(Surveyed { transmitters, map: strengths, belief, fingerprints });
+        self
+    }
+}
+
+impl Transmitter {
+    fn of(access_point: &AccessPoint) -> Self {
+        Self {
+            id: access_point.id.clone(),
+            mac: access_point.mac.clone(),
+            position_m: *access_point.position_m.raw(),
+            floor: None,
+            tx_power_dbm: access_point.tx_power_dbm,
+            path_loss: access_point.path_loss,
+        }
+    }
+
+    /// Whether a log means it by this name.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.id == name || self.mac.as_deref().is_some_and(|mac| is_same_mac(mac, name))
+    }
+}
+
+/// MAC addresses with or without colons, in either case.
+fn is_same_mac(one: &str, other: &str) -> bool {
+    digits(one).eq(digits(other))
+}
+
+fn digits(mac: &str) -> impl Iterator<Item = u8> {
+    mac.bytes().filter(|byte| !matches!(byte, b':' | b'-')).map(|byte| byte.to_ascii_lowercase())
+}
