@@ -30,6 +30,7 @@ pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
+pub mod pdr_wifi;
 pub mod wifi;
 
 pub use error::{MethodError, MethodWarning};

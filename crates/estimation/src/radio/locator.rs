@@ -13,11 +13,12 @@
 
 use super::centroid::{CentroidWeight, centroid};
 use super::circles::{CircleParams, InnerWeight, inner_points};
+use super::line::row;
 use super::map::{Hearing, Storeys};
 use super::nearest::{Fingerprints, NearestParams};
 use super::scan::{HeardMean, Scan};
 use super::signal_fit::{SignalFitParams, signal_fit};
-use super::site::{RadioSite, Transmitter};
+use super::site::{CentreLines, RadioSite, Transmitter};
 use super::trilateration::linear_signals;
 use super::{AreaPrior, Emitter, Heard, Lattice, MapParams, PathLoss, RadioFix, RadioMap, Reading};
 use crate::settings::{first_unusable, not_negative, positive};
@@ -73,6 +74,8 @@ pub struct LocatorParams {
     pub sigma_db: f64,
     /// Half the width of a roadway, for transmitters in a row, m.
     pub half_width_m: f64,
+    /// Puts the fix of circles about transmitters in a row onto the nearest centre line: they tell where along a roadway, not where across it.
+    pub to_roadway: bool,
     /// Degrees of freedom of the errors of `fit`.
     pub dof: f64,
     /// Standard deviation of the tag's own offset in `fit`, dB.
@@ -106,6 +109,7 @@ impl Default for LocatorParams {
             first_metre_db: 40.2,
             sigma_db: 5.0,
             half_width_m: 2.5,
+            to_roadway: true,
             dof: 4.0,
             offset_sigma_db: 3.0,
             nearest: NearestParams::default(),
@@ -168,7 +172,7 @@ pub struct Locator {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Model {
     /// Transmitters by number, with their floor; heights above the tag.
-    Emitters { emitters: Vec<(Emitter, Option<i32>)>, area: Option<AreaPrior> },
+    Emitters { emitters: Vec<(Emitter, Option<i32>)>, area: Option<AreaPrior>, centre_lines: CentreLines },
     /// A map by number.
     Map { map: RadioMap, belief: MapParams },
     /// Fingerprints by number.
@@ -180,7 +184,11 @@ impl Locator {
     pub fn new(site: &RadioSite, params: LocatorParams) -> Result<Self, &'static str> {
         let emitters = || emitters(site, &params);
         let (surveyed, placed) = (site.surveyed.as_ref(), !site.transmitters.is_empty());
-        let circles = || Model::Emitters { emitters: emitters(), area: site.area };
+        let circles = || Model::Emitters {
+            emitters: emitters(),
+            area: site.area,
+            centre_lines: if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() },
+        };
         let model = match (params.method, surveyed) {
             (LocatorMethod::Nearest, None) => {
                 return Err("fingerprints (--radio, of adit calibrate fingerprint)");
@@ -227,7 +235,9 @@ impl Locator {
             strongest(&mut readings, most, |reading| reading.value);
         }
         match &self.model {
-            Model::Emitters { emitters, area } => self.circles(&readings, emitters, area.as_ref()),
+            Model::Emitters { emitters, area, centre_lines } => {
+                self.circles(&readings, emitters, area.as_ref(), centre_lines)
+            }
             Model::Map { map, belief } => map.fix(&readings, belief).map(|place| place.fix),
             Model::Fingerprints { fingerprints } => {
                 fingerprints.nearest(&readings, &self.params.nearest).map(|place| place.fix)
@@ -240,6 +250,7 @@ impl Locator {
         readings: &[Reading],
         emitters: &[(Emitter, Option<i32>)],
         area: Option<&AreaPrior>,
+        centre_lines: &CentreLines,
     ) -> Option<RadioFix> {
         let known = || readings.iter().filter_map(|one| Some((emitters.get(one.transmitter)?, one.value)));
         let ((_, floor), _) = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -251,7 +262,8 @@ impl Locator {
         let inner = |heard: &[Heard<'_>], weight| {
             inner_points(heard, &CircleParams { weight, height_m: 0.0, half_width_m: params.half_width_m })
         };
-        match params.method {
+        let in_row = row(heard.iter().map(|one| one.emitter.position_m.xy())).is_some();
+        let fix = match params.method {
             LocatorMethod::Centroid => {
                 strongest(&mut heard, params.strongest.unwrap_or(3), |one| one.rssi_dbm);
                 centroid(&heard, CentroidWeight::Equal)
@@ -272,7 +284,10 @@ impl Locator {
                     &SignalFitParams { dof, offset_sigma_db, ..SignalFitParams::default() },
                 )
             }
-        }
+        }?;
+        // Along the row the circles tell; across it the roadway.
+        let nearest = if in_row { centre_lines.nearest(&fix.position_m) } else { None };
+        Some(RadioFix { position_m: nearest.unwrap_or(fix.position_m), ..fix })
     }
 }
 

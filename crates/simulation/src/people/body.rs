@@ -54,7 +54,7 @@ impl Body {
     /// The numbers are those of a person.
     pub fn check(&self) -> Result<(), SimulationError> {
         check_within("height_m", self.height_m, 1.0, 2.5, "1 to 2.5 m")?;
-        check_within("walk_m_s", self.walk_m_s, 0.3, 2.5, "0.3 to 2.5 m/s")?;
+        check_within("walk_m_s", self.walk_m_s, 0.3, 3.2, "0.3 to 3.2 m/s")?;
         check_within("run_m_s", self.run_m_s, 1.0, 6.0, "1 to 6 m/s")?;
         check_within("crawl_m_s", self.crawl_m_s, 0.1, 1.0, "0.1 to 1 m/s")?;
         check_within("variation", self.variation, 0.0, 0.1, "0 to 0.1")?;

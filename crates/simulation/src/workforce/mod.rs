@@ -86,7 +86,7 @@ impl Workforce {
         spec.outfit.check()?;
         let radio = RadioWorld::new(Arc::clone(&mine), &spec.radio, &spec.outages, seed)?;
         let population = Population::new(&mine, &spec.population, seed)?;
-        let crowd = Crowd::new(&population)?;
+        let crowd = Crowd::new(&population, spec.radio.body.shades)?;
         // Only who reads a barometer needs the air, and everybody's passages through doors.
         let air = if spec.outfit.barometer.is_some() {
             let mut air = MineAir::new(&mine, &spec.air, seed)?;

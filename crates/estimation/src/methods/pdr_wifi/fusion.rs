@@ -19,6 +19,7 @@
 
 use crate::settings::{first_unusable, positive};
 use adit_core::nalgebra::{Vector2, Vector4};
+use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 /// One number for each component of the state.
@@ -133,8 +134,11 @@ impl Axis {
     fn predict(&mut self, dt: f64) {
         let [offset, rate, both] = self.p;
         self.offset += self.rate * dt;
-        self.p =
-            [offset + dt * (2.0 * both + dt * rate) + self.q[0] * dt, rate + self.q[1] * dt, both + dt * rate];
+        self.p = [
+            offset + dt * (2.0 * both + dt * rate) + self.q[0] * dt,
+            rate + self.q[1] * dt,
+            both + dt * rate,
+        ];
     }
 
     /// A measurement of the offset; its normalised innovation squared.

@@ -6,8 +6,6 @@ use crate::methods::pdr::{Direction, PdrParams, PdrReport};
 use crate::methods::{
     Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, RadioUse,
 };
-use crate::pedestrian::step_length::StepLength;
-use crate::pedestrian::steps::{StepMethod, StepParams};
 use crate::radio::locator::{LocatorMethod, LocatorParams};
 use crate::radio::scan::ScanParams;
 use crate::radio::{HeardReport, Listener, RadioSite};
@@ -49,10 +47,7 @@ impl Default for PdrWifiParams {
             },
             // "Three samples in a row, averaged", every 5 s.
             scan: ScanParams { averaged: 3, every_s: 5.0, ..ScanParams::default() },
-            locator: LocatorParams {
-                method: LocatorMethod::InnerPointsImproved,
-                ..LocatorParams::default()
-            },
+            locator: LocatorParams { method: LocatorMethod::InnerPointsImproved, ..LocatorParams::default() },
             fusion: FusionParams::default(),
             site: None,
         }

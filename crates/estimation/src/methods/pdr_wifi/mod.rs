@@ -6,8 +6,8 @@
 //! signal strengths  → scans, averaged → improved weighted centroid (radio)       ┴→ report → filter (fusion) → solution
 //! ```
 //!
-//! One solution for every step, one a second while nobody walks, and one for every report: dead reckoning less what the filter holds it to be
-//! off. Solutions come with the step, late ([`crate::methods::pdr`]); a report waits for the steps before it.
+//! One solution for every step, and one a second while nobody walks: dead reckoning less what the filter holds it to be off. A report is of the mean time of its
+//! scans; it is held against where dead reckoning was then, whichever of them comes first, and tells in the next solution.
 //!
 //! Frame: that of the site. Dead reckoning begins at the start that somebody told; else at the first position by radio, before which there is no
 //! solution. Its heading is that of the magnetometer: the paper's filter has no state for a heading that is off, its velocities take up what
@@ -34,6 +34,8 @@ use serde::{Deserialize, Serialize};
 const NAME: &str = "pdr-wifi";
 /// Positions by radio that may wait for the steps before them; with more, the oldest are dropped.
 const MOST_HELD: usize = 64;
+/// Places of dead reckoning that are kept for reports of a time that is past: half a minute of steps.
+const TRAIL: usize = 64;
 
 /// One walker, streaming.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -47,8 +49,8 @@ pub struct PdrWifi {
     origin_m: Vector2<f64>,
     /// Positions by radio newer than dead reckoning, in order of time.
     held: VecDeque<PositionFix>,
-    /// The newest of dead reckoning, in its own frame.
-    reckoned: Option<Solution>,
+    /// Where dead reckoning has been of late, in its own frame, oldest first.
+    trail: VecDeque<(Time, Vector2<f64>)>,
     /// Time of the last report.
     reported: Option<Time>,
     due: VecDeque<Solution>,
@@ -70,7 +72,7 @@ impl PdrWifi {
             fusion: start_sigma_m.map(|sigma_m| Fusion::new(&params.fusion, sigma_m)),
             origin_m: Vector2::zeros(),
             held: VecDeque::with_capacity(MOST_HELD),
-            reckoned: None,
+            trail: VecDeque::with_capacity(TRAIL),
             reported: None,
             due: VecDeque::new(),
             report: PdrWifiReport::default(),
@@ -140,8 +142,12 @@ impl PdrWifi {
         }
     }
 
-    /// Keeps a position by radio until dead reckoning has come to its time.
+    /// Takes a position by radio, or keeps it until dead reckoning has come to its time.
     fn hold(&mut self, fix: PositionFix) {
+        if self.trail.back().is_some_and(|(newest, _)| fix.time <= *newest) {
+            self.take(&fix);
+            return;
+        }
         if self.held.len() == MOST_HELD {
             self.held.pop_front();
             self.report.late_fixes += 1;
@@ -152,31 +158,36 @@ impl PdrWifi {
 
     /// Dead reckoning has come to a solution: the reports on the way, then the solution itself.
     fn reckon(&mut self, now: &Solution) -> Result<(), MethodError> {
-        while let Some(fix) = self.held.pop_front_if(|fix| fix.time <= now.time) {
-            let before = self.reckoned.as_ref().unwrap_or(now);
-            let span_s = (now.time - before.time).seconds();
-            let since_s = (fix.time - before.time).seconds();
-            if since_s < 0.0 || self.reported.is_some_and(|reported| fix.time <= reported) {
-                self.report.late_fixes += 1;
-                continue;
+        if self.trail.len() == TRAIL {
+            self.trail.pop_front();
+        }
+        self.trail.push_back((now.time, now.position_m.xy()));
+        while self.held.front().is_some_and(|fix| fix.time <= now.time) {
+            if let Some(fix) = self.held.pop_front() {
+                self.take(&fix);
             }
-            let share = if span_s > 0.0 { since_s / span_s } else { 1.0 };
-            let mut between = if share < 0.5 { before.clone() } else { now.clone() };
-            between.time = fix.time;
-            between.position_m = before.position_m.lerp(&now.position_m, share);
-            between.velocity_m_s = before.velocity_m_s.lerp(&now.velocity_m_s, share);
-            self.take(&fix, &between.position_m.xy());
-            self.tell(&between)?;
         }
-        if self.reported.is_none_or(|reported| now.time > reported) {
-            self.tell(now)?;
+        self.tell(now)
+    }
+
+    /// Where dead reckoning was at a time; `None` before what is kept.
+    fn reckoned_at(&self, time: Time) -> Option<Vector2<f64>> {
+        let after = self.trail.partition_point(|(known, _)| *known < time);
+        let (next, there_m) = self.trail.get(after)?;
+        if *next == time {
+            return Some(*there_m);
         }
-        self.reckoned = Some(now.clone());
-        Ok(())
+        let (last, here_m) = self.trail.get(after.checked_sub(1)?)?;
+        Some(here_m.lerp(there_m, (time - *last).seconds() / (*next - *last).seconds()))
     }
 
     /// A report: where dead reckoning is, and where radio is.
-    fn take(&mut self, fix: &PositionFix, reckoned_m: &Vector2<f64>) {
+    fn take(&mut self, fix: &PositionFix) {
+        let old = self.reported.is_some_and(|reported| fix.time <= reported);
+        let Some(reckoned_m) = self.reckoned_at(fix.time).filter(|_| !old) else {
+            self.report.late_fixes += 1;
+            return;
+        };
         let fusion = match &mut self.fusion {
             Some(fusion) => fusion,
             None => {
@@ -186,11 +197,8 @@ impl PdrWifi {
                 self.fusion.insert(Fusion::new(&self.params.fusion, Vector2::repeat(sigma_m)))
             }
         };
-        let report = Report {
-            time_s: fix.time.seconds(),
-            reckoned_m: reckoned_m + self.origin_m,
-            fix_m: fix.level_m,
-        };
+        let report =
+            Report { time_s: fix.time.seconds(), reckoned_m: reckoned_m + self.origin_m, fix_m: fix.level_m };
         let fused = fusion.observe(&report);
         self.reported = Some(fix.time);
         self.report.note(&report, &fused);
