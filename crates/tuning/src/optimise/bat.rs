@@ -8,9 +8,10 @@
 //!
 //! Where the paper is silent:
 //!
-//! - `x_old` of the local search is the best place found so far; Ā is in units of [`Bat::reach`] times the width of each bound;
-//! - **ε** is long-tailed in each coordinate, `sign(u) |u|⁹` with u even from −1 to 1: most coordinates hardly move, some far. Even ε, as others take it, stays in
-//!   the first hollow of a hilly cost (Rastrigin in 8 dimensions: 32 instead of 1.4; `docs/methods/optimise.md`);
+//! - `x_old` of the local search is the best place found so far, ε Ā is a share of the width of each bound;
+//! - **ε** is drawn for each coordinate and has every order of size, `sign(u) |u|³⁰` with u even from −1 to 1: half of the coordinates move by less than a
+//!   billionth of the width, a few far. Nothing but the draws has to shrink as the search closes in, and nothing keeps it in the first hollow
+//!   (`docs/methods/optimise.md` has what even draws do instead, and what this costs where the coordinates hang together);
 //! - who leaves the bounds stays at them, and loses its velocity along them.
 //!
 //! The velocity has the sign of Yang and of S1: it leads **away** from the best place. What finds the minimum is the local search.
@@ -31,25 +32,16 @@ pub struct Bat {
     pub pulse_rate: f64,
     /// How fast it gets there, γ, for each generation.
     pub pulse_growth: f64,
-    /// Reach of the local search at a loudness of one, as a share of the bounds' width.
-    pub reach: f64,
 }
 
 impl Default for Bat {
     fn default() -> Self {
-        Self {
-            frequencies: [0.0, 2.0],
-            loudness: 1.0,
-            fade: 0.9,
-            pulse_rate: 0.2,
-            pulse_growth: 0.1,
-            reach: 0.3,
-        }
+        Self { frequencies: [0.0, 2.0], loudness: 1.0, fade: 0.9, pulse_rate: 0.2, pulse_growth: 0.1 }
     }
 }
 
 /// Power of the local search's draws.
-const TAIL: i32 = 9;
+const TAIL: i32 = 30;
 /// Stream of its random numbers.
 const STREAM: u64 = 1;
 
@@ -91,8 +83,7 @@ impl Colony {
                 if flown < bound[0] || flown > bound[1] {
                     *v = 0.0;
                 }
-                let near = best
-                    + tailed(dice.signed()) * mean_loudness * self.settings.reach * (bound[1] - bound[0]);
+                let near = best + of_any_size(dice.signed()) * mean_loudness * (bound[1] - bound[0]);
                 next.push(clamp(if local { near } else { flown }, *bound));
             }
             tried.push(next);
@@ -116,8 +107,9 @@ impl Colony {
     }
 }
 
-fn tailed(u: f64) -> f64 {
-    u.powi(TAIL)
+/// ε of any order of size, with the sign of u.
+fn of_any_size(u: f64) -> f64 {
+    u.abs().powi(TAIL).copysign(u)
 }
 
 impl Optimiser for Bat {

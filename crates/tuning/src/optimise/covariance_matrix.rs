@@ -1,5 +1,5 @@
 //! The modern reference: CMA-ES (Hansen & Ostermeier 2001; parameters of Hansen's tutorial of 2016), of the crate `genoxide`, restarted with twice the
-//! population each time it has converged (IPOP, Auger & Hansen 2005) until the budget is spent.
+//! agents each time it has converged (IPOP, Auger & Hansen 2005) until the budget is spent.
 //!
 //! It begins, and begins again, at a place drawn evenly within the bounds. The crate does its own arithmetic, the same bits on every platform.
 
@@ -29,6 +29,7 @@ impl CovarianceMatrix {
         let mut strategy = Cmaes::builder(genes)
             .minimize()
             .seed(task.seed)
+            .population_size(task.agents)
             .initial_step(self.step)
             .restarts(Restarts::Ipop)
             .build()?;
@@ -43,7 +44,7 @@ impl CovarianceMatrix {
 
 impl Optimiser for CovarianceMatrix {
     fn minimise(&self, search: &mut dyn Trace) {
-        // What the crate refuses, bounds that are none and costs not asked for, a search does not hand on.
+        // The crate refuses only settings and bounds that no search is begun with, and costs that were not asked for.
         let _ = self.follow(search);
     }
 }

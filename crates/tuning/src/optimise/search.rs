@@ -8,6 +8,8 @@ use std::ops::ControlFlow;
 
 /// Fewest agents of a generation.
 const FEWEST_AGENTS: usize = 4;
+/// Most agents and parameters.
+const MOST: usize = 1 << 20;
 
 /// What an optimiser sees of a search.
 pub trait Trace {
@@ -93,12 +95,15 @@ impl<'a> Search<'a> {
         if bounds.is_empty() {
             return refuse("bounds of a search", "none".to_owned(), "one parameter or more");
         }
+        if bounds.len() > MOST {
+            return refuse("bounds of a search", bounds.len().to_string(), "1048576 at the most");
+        }
         let wide = |[low, high]: &[f64; 2]| low < high && (high - low).is_finite();
         if let Some([low, high]) = bounds.iter().find(|bound| !wide(bound)) {
             return refuse("bounds of a search", format!("{low} to {high}"), "finite and rising");
         }
-        if *agents < FEWEST_AGENTS {
-            return refuse("agents of a search", agents.to_string(), "4 or more");
+        if !(FEWEST_AGENTS..=MOST).contains(agents) {
+            return refuse("agents of a search", agents.to_string(), "4 to 1048576");
         }
         if evaluations < agents {
             return refuse("evaluations of a search", evaluations.to_string(), "a whole generation or more");

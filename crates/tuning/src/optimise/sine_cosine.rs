@@ -54,8 +54,8 @@ impl Optimiser for SineCosine {
         let points = Swarm::places(&task, &mut dice);
         let Some(costs) = search.evaluate(&points) else { return };
         let mut swarm = Swarm::new(points, costs);
-        let generations = (task.evaluations / task.agents) as f64;
-        for generation in 1_u32.. {
+        let generations = (task.evaluations / task.agents).saturating_sub(1).max(1) as f64;
+        for generation in 0_u32.. {
             let tried = self.swing(&swarm, &task, f64::from(generation) / generations, &mut dice);
             let Some(costs) = search.evaluate(&tried) else { return };
             swarm.look(&tried, &costs);
