@@ -86,6 +86,7 @@ fn draw<'a>(
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 18))
         .margin(12)
+        .margin_right(22)
         .x_label_area_size(40)
         .y_label_area_size(64)
         .build_cartesian_2d(0.0..EVALUATIONS as f64, (FLOOR..200.0).log_scale())?;
@@ -93,6 +94,7 @@ fn draw<'a>(
         .configure_mesh()
         .x_desc("evaluations")
         .y_desc(format!("least cost, median of {SEEDS} seeds"))
+        .x_label_formatter(&|evaluations| format!("{evaluations:.0}"))
         .y_label_formatter(&|cost| format!("{cost:.0e}"))
         .light_line_style(WHITE)
         .draw()?;

@@ -23,7 +23,7 @@ impl Default for CovarianceMatrix {
 }
 
 impl CovarianceMatrix {
-    fn follow(&self, search: &mut dyn Trace) -> Result<()> {
+    fn follow(self, search: &mut dyn Trace) -> Result<()> {
         let task = search.task();
         let genes = Real::new(task.bounds.iter().map(|[low, high]| *low..=*high))?;
         let mut strategy = Cmaes::builder(genes)

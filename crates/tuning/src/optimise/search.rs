@@ -63,13 +63,16 @@ pub struct Found {
     pub record: Record,
 }
 
+/// Told how far a search has come, it says whether to go on.
+type Watch<'a> = &'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>;
+
 /// A search with one method.
 pub struct Search<'a> {
     record: Record,
     /// How many of the record's costs have been told again to the method.
     told: usize,
     cost: &'a (dyn Fn(&[f64]) -> f64 + Sync),
-    watch: Option<&'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>>,
+    watch: Option<Watch<'a>>,
     best: (f64, Vec<f64>),
     improvements: Vec<(usize, f64)>,
     stopped: bool,

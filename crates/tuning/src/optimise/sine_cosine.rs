@@ -5,7 +5,7 @@
 //! φ1 = a − t a / T,   φ2 even in 0…2π,   φ3 in 0…2,   φ4 in 0…1, all drawn anew for each coordinate;   P the best place so far
 //! ```
 //!
-//! An agent moves only where it costs less (the papers are silent; OriginalSCA of mealpy does the same, and without it the sphere ends at 1e-7 instead of
+//! An agent moves only where it costs less (the papers are silent; `OriginalSCA` of mealpy does the same, and without it the sphere ends at 1e-7 instead of
 //! 1e-12). Who leaves the bounds stays at them.
 //!
 //! **`φ3 P` draws towards zero, not only towards P**: the algorithm is at its best where the answer is the origin of the coordinates. Give parameters so
@@ -32,7 +32,7 @@ const STREAM: u64 = 2;
 
 impl SineCosine {
     /// Where each agent tries next; `share` of the generations is past.
-    pub(super) fn swing(&self, swarm: &Swarm, task: &Task, share: f64, dice: &mut Dice) -> Vec<Vec<f64>> {
+    pub(super) fn swing(self, swarm: &Swarm, task: &Task, share: f64, dice: &mut Dice) -> Vec<Vec<f64>> {
         let amplitude = self.amplitude * (1.0 - share).max(0.0);
         let swung = |((x, best), bound): ((&f64, &f64), &[f64; 2]), dice: &mut Dice| {
             let (sin, cos) = (std::f64::consts::TAU * dice.unit()).sin_cos();

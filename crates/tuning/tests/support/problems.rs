@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use adit_tuning::optimise::{Found, Method, Search, Task};
+use std::cmp::Ordering;
 
 pub const SEEDS: u64 = 30;
 pub const AGENTS: usize = 30;
@@ -93,11 +94,11 @@ pub fn median(costs: &[f64]) -> f64 {
 /// seed means nothing across programs.
 pub fn better(ours: &[f64], theirs: &[f64]) -> (f64, f64) {
     let (n, m) = (ours.len() as f64, theirs.len() as f64);
-    let wins: f64 = ours
-        .iter()
-        .flat_map(|our| {
-            theirs.iter().map(move |their| f64::from(our < their) + 0.5 * f64::from(our == their))
-        })
-        .sum();
+    let win = |our: &f64, their: &f64| match our.total_cmp(their) {
+        Ordering::Less => 1.0,
+        Ordering::Equal => 0.5,
+        Ordering::Greater => 0.0,
+    };
+    let wins: f64 = ours.iter().map(|our| theirs.iter().map(|their| win(our, their)).sum::<f64>()).sum();
     (wins / (n * m), (wins - 0.5 * n * m) / (n * m * (n + m + 1.0) / 12.0).sqrt())
 }
