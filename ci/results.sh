@@ -5,7 +5,8 @@
 #   the method left out, `walks`: the simulated walk of system S2 over many seeds,
 #   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `radio`: simulated radio next to recorded sets,
 #   `shift`: speed and memory of simulating everybody in a mine, `steps`: counted steps of the recorded sets, `phone-walks`: dead reckoning at the waypoints of the recorded walks with a phone,
-#   `optimise`: the optimisers and mealpy's, whose numbers are made anew in crates/tuning/tests/reference/mealpy.csv);
+#   `optimise`: the optimisers and mealpy's, whose numbers are made anew in crates/tuning/tests/reference/mealpy.csv, `optimise-tails`: a choice
+#   that the paper leaves);
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
@@ -55,7 +56,7 @@ fi
 "$bin/examples/step_figure" docs/results/pdr-steps.svg
 "$bin/examples/radio_realism" "$ADIT_DATA" "$fresh/radio.md" docs/results/radio.svg >/dev/null
 "$bin/examples/people_plan" docs/results/people-plan.svg
-"$bin/examples/optimise_results" "$fresh/optimise.md" docs/results/optimise-convergence.svg
+"$bin/examples/optimise_results" "$fresh/optimise.md" "$fresh/optimise-tails.md" docs/results/optimise-convergence.svg
 "$bin/examples/shift_results" "$bin/adit" scenarios/shift.toml "$fresh/shift.md"
 
 mkdir "$fresh/here"

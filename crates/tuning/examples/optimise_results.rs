@@ -1,14 +1,16 @@
 //! The optimisers and mealpy's on functions whose optimum is known: a table, and how the costs fall.
 //!
-//! `cargo run -p adit-tuning --example optimise_results OUT.md CONVERGENCE.svg`; `ci/results.sh` calls it.
+//! `cargo run -p adit-tuning --example optimise_results METHODS.md TAILS.md CONVERGENCE.svg`; `ci/results.sh` calls it.
 
 #[path = "../tests/support/problems.rs"]
 mod problems;
 
-use adit_tuning::optimise::Method;
+use adit_tuning::optimise::bat::Bat;
+use adit_tuning::optimise::sine_cosine_bat::SineCosineBat;
+use adit_tuning::optimise::{Method, Optimiser};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use problems::{EVALUATIONS, PROBLEMS, Problem, SEEDS, better, mean, median};
+use problems::{EVALUATIONS, PROBLEMS, Problem, SEEDS, TURNED, better, mean, median};
 use std::error::Error;
 use std::fmt::Write as _;
 
@@ -21,9 +23,10 @@ const FLOOR: f64 = 1e-9;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
-    let usage = "usage: optimise_results OUT.md CONVERGENCE.svg";
-    let (table, figure) = (args.next().ok_or(usage)?, &*args.next().ok_or(usage)?.leak());
-    std::fs::write(table, tabulate()?)?;
+    let usage = "usage: optimise_results METHODS.md TAILS.md CONVERGENCE.svg";
+    std::fs::write(args.next().ok_or(usage)?, methods()?)?;
+    std::fs::write(args.next().ok_or(usage)?, tails()?)?;
+    let figure: &'static str = args.next().ok_or(usage)?.leak();
     let root = SVGBackend::new(figure, (1180, 460)).into_drawing_area();
     root.fill(&WHITE)?;
     let (left, right) = root.split_horizontally(590);
@@ -33,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn tabulate() -> Result<String, std::fmt::Error> {
+fn methods() -> Result<String, std::fmt::Error> {
     let mut out = "| function | optimum | method | mean | median | worst | mean rank | better than DevBA | better than OriginalSCA |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
     for problem in &PROBLEMS {
         let rivals = RIVALS.map(|name| problem.rival(name));
@@ -57,6 +60,37 @@ fn tabulate() -> Result<String, std::fmt::Error> {
             }
             out.push_str(" |\n");
         }
+    }
+    Ok(out)
+}
+
+/// The local search's draws, even and long-tailed.
+fn tails() -> Result<String, std::fmt::Error> {
+    let problems = [&PROBLEMS[1], &PROBLEMS[3], &TURNED, &PROBLEMS[4]];
+    let mut out = "| method | tail |".to_owned();
+    for problem in problems {
+        write!(out, " {} {} |", problem.name, problem.optimum)?;
+    }
+    out.push_str("\n|---|---|---|---|---|---|\n");
+    for tail in [1, 3, 9, 30, 60] {
+        let bat = Bat { tail, ..Bat::default() };
+        let both = SineCosineBat { bat, ..SineCosineBat::default() };
+        for (name, optimiser) in [("bat", &bat as &dyn Optimiser), ("scaba", &both)] {
+            write!(out, "| `{name}` | {tail} |")?;
+            for problem in problems {
+                let costs = problem.costs_with(optimiser);
+                write!(out, " {:.2e} / {:.2e} |", mean(&costs), median(&costs))?;
+            }
+            out.push('\n');
+        }
+    }
+    for method in [Method::SineCosine, Method::CovarianceMatrix] {
+        write!(out, "| `{}` | – |", method.name())?;
+        for problem in problems {
+            let costs = problem.costs(method);
+            write!(out, " {:.2e} / {:.2e} |", mean(&costs), median(&costs))?;
+        }
+        out.push('\n');
     }
     Ok(out)
 }

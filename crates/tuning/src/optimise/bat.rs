@@ -9,9 +9,9 @@
 //! Where the paper is silent:
 //!
 //! - `x_old` of the local search is the best place found so far, ε Ā is a share of the width of each bound;
-//! - **ε** is drawn for each coordinate and has every order of size, `sign(u) |u|³⁰` with u even from −1 to 1: half of the coordinates move by less than a
-//!   billionth of the width, a few far. Nothing but the draws has to shrink as the search closes in, and nothing keeps it in the first hollow
-//!   (`docs/methods/optimise.md` has what even draws do instead, and what this costs where the coordinates hang together);
+//! - **ε** is drawn for each coordinate and has every order of size, `sign(u) |u|^tail` with u even from −1 to 1: at a [`Bat::tail`] of 30 half of the
+//!   coordinates move by less than a billionth of the width, a few far. So the search closes in without being told how far it is, and leaves the first
+//!   hollow (`docs/methods/optimise.md` has what even draws do instead, and what this costs where the coordinates hang together);
 //! - who leaves the bounds stays at them, and loses its velocity along them.
 //!
 //! The velocity has the sign of Yang and of S1: it leads **away** from the best place. What finds the minimum is the local search.
@@ -32,16 +32,23 @@ pub struct Bat {
     pub pulse_rate: f64,
     /// How fast it gets there, γ, for each generation.
     pub pulse_growth: f64,
+    /// Power of the local search's draws; 1: even ones.
+    pub tail: i32,
 }
 
 impl Default for Bat {
     fn default() -> Self {
-        Self { frequencies: [0.0, 2.0], loudness: 1.0, fade: 0.9, pulse_rate: 0.2, pulse_growth: 0.1 }
+        Self {
+            frequencies: [0.0, 2.0],
+            loudness: 1.0,
+            fade: 0.9,
+            pulse_rate: 0.2,
+            pulse_growth: 0.1,
+            tail: 30,
+        }
     }
 }
 
-/// Power of the local search's draws.
-const TAIL: i32 = 30;
 /// Stream of its random numbers.
 const STREAM: u64 = 1;
 
@@ -83,7 +90,7 @@ impl Colony {
                 if flown < bound[0] || flown > bound[1] {
                     *v = 0.0;
                 }
-                let near = best + of_any_size(dice.signed()) * mean_loudness * (bound[1] - bound[0]);
+                let near = best + self.settings.draw(dice) * mean_loudness * (bound[1] - bound[0]);
                 next.push(clamp(if local { near } else { flown }, *bound));
             }
             tried.push(next);
@@ -107,9 +114,12 @@ impl Colony {
     }
 }
 
-/// ε of any order of size, with the sign of u.
-fn of_any_size(u: f64) -> f64 {
-    u.abs().powi(TAIL).copysign(u)
+impl Bat {
+    /// ε, of any order of size.
+    fn draw(&self, dice: &mut Dice) -> f64 {
+        let u = dice.signed();
+        u.abs().powi(self.tail).copysign(u)
+    }
 }
 
 impl Optimiser for Bat {

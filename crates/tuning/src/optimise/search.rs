@@ -1,6 +1,6 @@
 //! The one door to the cost: evaluates generations, counts, remembers, resumes.
 
-use super::{Method, Task};
+use super::{Method, Optimiser, Task};
 use crate::error::TuningError;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -138,8 +138,13 @@ impl<'a> Search<'a> {
     }
 
     /// Searches to the end.
-    pub fn run(mut self) -> Found {
+    pub fn run(self) -> Found {
         let optimiser = self.record.method.optimiser();
+        self.run_with(optimiser.as_ref())
+    }
+
+    /// The same with other settings than the usual ones of the method, or with a method of one's own. A record does not hold them: it is resumed with the same.
+    pub fn run_with(mut self, optimiser: &dyn Optimiser) -> Found {
         optimiser.minimise(&mut self);
         let Self { record, best: (cost, point), improvements, told, .. } = self;
         Found { cost, point, evaluations: told, improvements, record }

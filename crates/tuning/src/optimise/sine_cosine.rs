@@ -5,8 +5,8 @@
 //! φ1 = a − t a / T,   φ2 even in 0…2π,   φ3 in 0…2,   φ4 in 0…1, all drawn anew for each coordinate;   P the best place so far
 //! ```
 //!
-//! An agent moves only where it costs less (the papers are silent; `OriginalSCA` of mealpy does the same, and without it the sphere ends at 1e-7 instead of
-//! 1e-12). Who leaves the bounds stays at them.
+//! t counts generations from 0, T is as many as the budget has. An agent moves only where it costs less (the papers are silent; `OriginalSCA` of mealpy does the
+//! same). Who leaves the bounds stays at them.
 //!
 //! **`φ3 P` draws towards zero, not only towards P**: the algorithm is at its best where the answer is the origin of the coordinates. Give parameters so
 //! that zero is a good guess, as logarithms of factors are.

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "the test and the example use a part each")]
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use adit_tuning::optimise::{Found, Method, Search, Task};
+use adit_tuning::optimise::{Found, Method, Optimiser, Search, Task};
 use std::cmp::Ordering;
 
 pub const SEEDS: u64 = 30;
@@ -52,18 +52,37 @@ pub const PROBLEMS: [Problem; 5] = [
     problem("rosenbrock", "ones", rosenbrock, 5.0, 0.0),
 ];
 
+/// Rastrigin's function turned by a Householder reflection, so that no coordinate can be searched alone.
+pub const TURNED: Problem = problem("rastrigin, turned", "shifted", turned_rastrigin, 5.12, 0.3);
+
+fn turned_rastrigin(x: &[f64]) -> f64 {
+    let normal: Vec<f64> = (0..x.len()).map(|k| 1.0 + k as f64 / x.len() as f64).collect();
+    let square: f64 = normal.iter().map(|v| v * v).sum();
+    let along: f64 = normal.iter().zip(x).map(|(v, x)| v * x).sum();
+    rastrigin(&x.iter().zip(&normal).map(|(x, v)| x - 2.0 * along / square * v).collect::<Vec<_>>())
+}
+
 impl Problem {
     pub fn run(&self, method: Method, seed: u64) -> Found {
+        self.run_with(method.optimiser().as_ref(), seed)
+    }
+
+    pub fn run_with(&self, optimiser: &dyn Optimiser, seed: u64) -> Found {
         let bounds = vec![[-self.half, self.half]; DIMENSIONS];
         let task = Task { bounds, agents: AGENTS, evaluations: EVALUATIONS, seed };
         let cost =
             |x: &[f64]| (self.function)(&x.iter().map(|v| v - self.shift * self.half).collect::<Vec<_>>());
-        Search::new(method, task, &cost).unwrap().run()
+        // The name is not asked for.
+        Search::new(Method::Bat, task, &cost).unwrap().run_with(optimiser)
     }
 
     /// The least cost of each seed.
     pub fn costs(&self, method: Method) -> Vec<f64> {
-        (0..SEEDS).map(|seed| self.run(method, seed).cost).collect()
+        self.costs_with(method.optimiser().as_ref())
+    }
+
+    pub fn costs_with(&self, optimiser: &dyn Optimiser) -> Vec<f64> {
+        (0..SEEDS).map(|seed| self.run_with(optimiser, seed).cost).collect()
     }
 
     /// The same of mealpy's `DevBA` or `OriginalSCA`.
