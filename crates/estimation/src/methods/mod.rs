@@ -30,8 +30,10 @@ pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
+mod tunable;
 
 pub use error::{MethodError, MethodWarning};
+pub use tunable::NoiseParameter;
 
 use crate::magnetic::gate::ReferenceField;
 use adit_core::solution::Solution;
@@ -129,6 +131,8 @@ pub trait MethodSettings: Clone + Debug + Default + Serialize + DeserializeOwned
     const FIXED_LAG: bool = false;
     /// Whether [`Self::smooth`] exists.
     const WHOLE_LOG: bool = false;
+    /// The settings that tuning may search, in parts.
+    const NOISE: &'static [&'static [NoiseParameter]] = &[];
 
     /// These settings with what is known of the sensor and the site.
     #[must_use]
