@@ -15,6 +15,7 @@ mod mounting;
 mod output;
 mod progress;
 mod scenario_file;
+mod truth_beside;
 mod verbs;
 
 use std::process::ExitCode;

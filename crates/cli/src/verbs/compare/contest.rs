@@ -1,17 +1,15 @@
 //! One method on one run.
 
-use super::trials::Trial;
 use crate::config;
 use crate::method::{self, with_settings};
 use crate::scenario_file::Contender;
-use adit_core::solution::Solution;
+use crate::verbs::trials::{Driven, Trial};
 use adit_core::trajectory::Trajectory;
-use adit_estimation::methods::{Method, MethodError, MethodReport, MethodSettings, Nis};
+use adit_estimation::methods::{MethodError, MethodSettings, Nis};
 use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
 use adit_evaluation::evaluate::trajectory;
 use adit_observation::Observation;
 use anyhow::{Context, Result, bail};
-use std::time::Instant;
 
 /// What came of it.
 #[derive(Clone)]
@@ -47,13 +45,6 @@ pub fn enter(
     Ok((Entered { outcome: Some(outcome), warnings }, path))
 }
 
-struct Driven {
-    solutions: Vec<Solution>,
-    nis: Option<Nis>,
-    warnings: Vec<String>,
-    time_per_step_ns: f64,
-}
-
 fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Result<Driven, MethodError>> {
     let settings: S =
         config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
@@ -62,33 +53,5 @@ fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Resu
         bail!("no inertial samples, expected some");
     }
     let method = settings.start()?;
-    Ok(run(method, &trial.observations, samples))
-}
-
-/// The whole log through a method.
-fn run<R: MethodReport>(
-    mut method: Box<dyn Method<Report = R>>,
-    observations: &[Observation],
-    samples: usize,
-) -> Result<Driven, MethodError> {
-    let mut solutions = Vec::with_capacity(samples);
-    let clock = Instant::now();
-    for observation in observations {
-        let mut solution = method.observe(observation)?;
-        while let Some(now) = solution {
-            solutions.push(now);
-            solution = method.next_due()?;
-        }
-    }
-    while let Some(last) = method.finish_next()? {
-        solutions.push(last);
-    }
-    let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
-    let report = method.report();
-    Ok(Driven {
-        solutions,
-        nis: report.nis(),
-        warnings: method::warnings(report.warnings()),
-        time_per_step_ns: elapsed_ns / samples as f64,
-    })
+    Ok(trial.run(method))
 }

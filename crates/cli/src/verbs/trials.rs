@@ -1,8 +1,12 @@
-//! What methods are compared on: a log with its truth, simulated or recorded.
+//! What methods are compared and tuned on: logs with their truth, simulated or recorded.
 
 use crate::log_stream::LogStream;
+use crate::method;
 use crate::scenario_file::{Contest, Scenario};
+use crate::truth_beside;
+use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
+use adit_estimation::methods::{Method, MethodError, MethodReport, Nis};
 use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
 use adit_observation::sidecar::Sidecar;
@@ -11,11 +15,7 @@ use adit_simulation::{Emission, TruthState};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Names of a simulated pair.
-const SIMULATED: (&str, &str) = ("log.mcap", "truth.tum");
-const LOG_ENDINGS: [&str; 2] = ["_imu.csv.gz", "_imu.csv"];
-const TRUTH_ENDINGS: [&str; 2] = ["_truth.csv.gz", "_truth.csv"];
+use std::time::Instant;
 
 /// All runs; each is made or read when it is its turn.
 pub enum Trials {
@@ -39,6 +39,8 @@ pub struct Trial {
     pub has_position: bool,
     /// The truth has attitudes.
     pub has_attitude: bool,
+    /// For each true state whether attitudes are judged there, where the truth says so.
+    pub marked: Option<Vec<bool>>,
 }
 
 impl Trials {
@@ -49,14 +51,24 @@ impl Trials {
             let first = scenario.seed;
             return Ok(Self::Simulated(Box::new(scenario), first, seeds as usize));
         }
-        let pairs = pairs(source)?;
-        if pairs.is_empty() {
-            bail!(
-                "{}: no runs in this folder, expected NAME_imu.csv with NAME_truth.csv, or log.mcap with truth.tum",
-                source.display()
-            );
+        Ok(Self::Recorded(pairs(source)?))
+    }
+
+    /// Those of logs that have a truth beside them, and of folders of such logs.
+    pub fn recorded(paths: &[PathBuf]) -> Result<Self> {
+        let mut all: Vec<(PathBuf, PathBuf)> = Vec::new();
+        for path in paths {
+            if path.is_dir() {
+                all.extend(pairs(path)?);
+                continue;
+            }
+            let truth = truth_beside::of(path).with_context(|| {
+                let names = truth_beside::names(path).join(" or ");
+                format!("{}: no truth beside it: expected {names}", path.display())
+            })?;
+            all.push((path.clone(), truth));
         }
-        Ok(Self::Recorded(pairs))
+        Ok(Self::Recorded(all))
     }
 
     /// How many there are.
@@ -92,7 +104,47 @@ impl Trials {
     }
 }
 
+/// What a method made of a run.
+pub struct Driven {
+    /// All its solutions.
+    pub solutions: Vec<Solution>,
+    /// Normalised innovations squared, where it has any.
+    pub nis: Option<Nis>,
+    /// Odd things that it met.
+    pub warnings: Vec<String>,
+    /// Time of one inertial sample, ns.
+    pub time_per_step_ns: f64,
+}
+
 impl Trial {
+    /// The whole log through a method.
+    pub fn run<R: MethodReport>(
+        &self,
+        mut method: Box<dyn Method<Report = R>>,
+    ) -> Result<Driven, MethodError> {
+        let samples = self.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
+        let mut solutions = Vec::with_capacity(samples);
+        let clock = Instant::now();
+        for observation in &self.observations {
+            let mut solution = method.observe(observation)?;
+            while let Some(now) = solution {
+                solutions.push(now);
+                solution = method.next_due()?;
+            }
+        }
+        while let Some(last) = method.finish_next()? {
+            solutions.push(last);
+        }
+        let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
+        let report = method.report();
+        Ok(Driven {
+            solutions,
+            nis: report.nis(),
+            warnings: method::warnings(report.warnings()),
+            time_per_step_ns: elapsed_ns / samples as f64,
+        })
+    }
+
     /// The truth as a path.
     pub fn path(&self) -> Result<Trajectory> {
         Ok(Trajectory::new(self.truth.iter().map(|state| state.pose).collect())?)
@@ -110,7 +162,15 @@ fn simulated(scenario: &Scenario, seed: u64) -> Result<Trial> {
         }
     }
     let name = format!("seed {seed}");
-    Ok(Trial { name, observations, truth, sidecar: run.sidecar, has_position: true, has_attitude: true })
+    Ok(Trial {
+        name,
+        observations,
+        truth,
+        sidecar: run.sidecar,
+        has_position: true,
+        has_attitude: true,
+        marked: None,
+    })
 }
 
 fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
@@ -128,24 +188,25 @@ fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
         sidecar: stream.sidecar().cloned(),
         has_position: known.has_position,
         has_attitude: known.has_attitude && carries_attitude(&known.trajectory),
+        marked: known.moving,
     })
 }
 
-/// Logs of a folder that have a truth, by name.
+/// Logs of a folder that have a truth, by name; there is one at least.
 fn pairs(folder: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     let context = || format!("{}: cannot read this folder", folder.display());
     let mut pairs = Vec::new();
     for entry in fs::read_dir(folder).with_context(context)? {
         let log = entry.with_context(context)?.path();
-        let Some(name) = log.file_name().and_then(|name| name.to_str()) else { continue };
-        let beside = |name: &str| Some(log.with_file_name(name)).filter(|path| path.is_file());
-        let truth = if name == SIMULATED.0 {
-            beside(SIMULATED.1)
-        } else {
-            let stem = LOG_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending));
-            stem.and_then(|stem| TRUTH_ENDINGS.iter().find_map(|ending| beside(&format!("{stem}{ending}"))))
-        };
-        pairs.extend(truth.map(|truth| (log.clone(), truth)));
+        if truth_beside::is_simulated(&log) || truth_beside::stem(&log).ends_with("_imu") {
+            pairs.extend(truth_beside::of(&log).map(|truth| (log, truth)));
+        }
+    }
+    if pairs.is_empty() {
+        bail!(
+            "{}: no runs in this folder, expected NAME_imu.csv with NAME_truth.csv, or log.mcap with truth.tum",
+            folder.display()
+        );
     }
     pairs.sort();
     Ok(pairs)
