@@ -5,7 +5,9 @@
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
-use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning};
+use adit_estimation::methods::{
+    Estimates, Known, MethodReport, MethodSettings, MethodWarning, NoiseParameter,
+};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -82,6 +84,11 @@ impl MethodName {
     /// Whether it estimates positions, not attitude alone.
     pub fn estimates_path(self) -> bool {
         with_settings!(self, S => S::ESTIMATES == Estimates::Path)
+    }
+
+    /// The settings that tuning may search.
+    pub fn noise_parameters(self) -> impl Iterator<Item = &'static NoiseParameter> {
+        with_settings!(self, S => S::NOISE).iter().copied().flatten()
     }
 
     /// What a sidecar says that does not suit the method.

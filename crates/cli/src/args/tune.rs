@@ -106,9 +106,18 @@ impl TuneArgs {
         if stdout && self.resume {
             return Some("--resume needs a file for -o: what is known stands beside it".to_owned());
         }
-        (self.budget < self.agents).then(|| {
-            format!("--budget {} is less than one generation of --agents {}", self.budget, self.agents)
-        })
+        if self.budget < self.agents {
+            let Self { budget, agents, .. } = self;
+            return Some(format!("--budget {budget} is less than one generation of --agents {agents}"));
+        }
+        let method = self.method.name();
+        let known: Vec<&str> = self.method.noise_parameters().map(|parameter| parameter.path).collect();
+        if known.is_empty() {
+            return Some(format!("{method} has no noise parameters to tune"));
+        }
+        let unknown = self.parameters.iter().find(|name| !known.contains(&name.as_str()))?;
+        let known = known.join(", ");
+        Some(format!("--parameters: {unknown} is no noise parameter of {method}, expected some of {known}"))
     }
 }
 

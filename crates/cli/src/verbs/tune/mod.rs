@@ -40,7 +40,9 @@ pub fn run(args: &TuneArgs) -> Result<()> {
 
     let values = parameters.rounded(&searched.found.point);
     let after = answered(runs.judge(&parameters, &values));
-    let values = (mean_cost(&after) < mean_cost(&before)).then_some(values);
+    interrupt::check()?;
+    let better = mean_cost(&after) < mean_cost(&before);
+    let values = better.then(|| settled(&runs, &parameters, values, mean_cost(&after)));
     let both = |runs: &Runs, before: Vec<Option<f64>>| {
         let after = match &values {
             Some(values) => answered(runs.judge(&parameters, values)),
@@ -66,6 +68,20 @@ pub fn run(args: &TuneArgs) -> Result<()> {
     }
     search::forget(&args.out)?;
     say(args, &report)
+}
+
+/// Values with those taken back that are worth nothing: an error that does not depend on a parameter must not move it.
+fn settled(runs: &Runs, parameters: &Parameters, mut values: Vec<f64>, mut cost: f64) -> Vec<f64> {
+    for (index, default) in parameters.defaults().into_iter().enumerate() {
+        let found = std::mem::replace(&mut values[index], default);
+        let without = mean_cost(&answered(runs.judge(parameters, &values)));
+        if without <= cost {
+            cost = without;
+        } else {
+            values[index] = found;
+        }
+    }
+    values
 }
 
 /// Runs in memory, and their mean squared errors with the settings as they are.

@@ -3,8 +3,8 @@
 //! A coordinate of a point goes from −1, the least value, over 0, the setting as it is, to 1, the largest; between them it is
 //! even in the logarithm. So every optimiser begins about the setting as it is, and one that pulls towards zero pulls towards that.
 
-use crate::method::{MethodName, with_settings};
-use adit_estimation::methods::{MethodSettings, NoiseParameter};
+use crate::method::MethodName;
+use adit_estimation::methods::NoiseParameter;
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -68,27 +68,14 @@ impl Parameter {
 }
 
 impl Parameters {
-    /// Those of a method that were asked for, all where none were; `settings` are those of each run. Warnings come along.
+    /// Those of a method that were asked for, all where none were ([`TuneArgs::contradiction`](crate::args::TuneArgs::contradiction) has looked at the names); `settings` are those of each run. Warnings come along.
     pub fn choose(
         method: MethodName,
         asked: &[String],
         settings: &[toml::Table],
     ) -> Result<(Self, Vec<String>)> {
-        let all: Vec<&NoiseParameter> =
-            with_settings!(method, S => S::NOISE).iter().copied().flatten().collect();
-        if all.is_empty() {
-            bail!("{} has no noise parameters to tune", method.name());
-        }
-        if let Some(unknown) = asked.iter().find(|name| all.iter().all(|known| known.path != **name)) {
-            let known: Vec<&str> = all.iter().map(|known| known.path).collect();
-            bail!(
-                "--parameters: {unknown} is no noise parameter of {}, expected some of {}",
-                method.name(),
-                known.join(", ")
-            );
-        }
         let (mut chosen, mut warnings) = (Vec::new(), Vec::new());
-        for NoiseParameter { path, least, largest } in all {
+        for NoiseParameter { path, least, largest } in method.noise_parameters() {
             if !asked.is_empty() && !asked.iter().any(|name| name == path) {
                 continue;
             }
@@ -168,6 +155,7 @@ fn place<'t>(table: &'t mut toml::Table, path: &str) -> Option<&'t mut Value> {
 mod tests {
     #![expect(clippy::unwrap_used, reason = "tests")]
     use super::*;
+    use crate::method::with_settings;
     use clap::ValueEnum;
 
     /// With the bounds around it: what every optimiser relies on.
@@ -176,9 +164,7 @@ mod tests {
         let mut searched = 0;
         for method in MethodName::value_variants() {
             let settings = with_settings!(*method, S => toml::Table::try_from(S::default())).unwrap();
-            for NoiseParameter { path, least, largest } in
-                with_settings!(*method, S => S::NOISE).iter().copied().flatten()
-            {
+            for NoiseParameter { path, least, largest } in method.noise_parameters() {
                 let value = number(&settings, path);
                 let inside = value.is_some_and(|v| *least < v && v < *largest) && *least > 0.0;
                 assert!(inside, "{} {path}: {value:?} in {least} to {largest}", method.name());

@@ -155,6 +155,7 @@ impl Report {
         for parameter in &self.parameters {
             let FoundParameter { name, default, found, least, largest, at_bound } = parameter;
             let note = match at_bound {
+                None if found == default => "as it was",
                 None => "",
                 Some(Bound::Least) => "at its least",
                 Some(Bound::Largest) => "at its largest",

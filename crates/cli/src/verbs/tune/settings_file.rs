@@ -1,7 +1,7 @@
 //! The file that is written: settings for `adit track --config`, with a head that says where they come from.
 
-use super::parameters::Parameters;
-use super::report::{Report, number};
+use super::parameters::{Parameter, Parameters};
+use super::report::{FoundParameter, Report, number};
 use crate::args::TuneArgs;
 use crate::output::Target;
 use anyhow::{Context, Result, anyhow};
@@ -9,10 +9,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-/// The text: what the configuration said, with these values in it. Without date, time and duration: the same search writes the same bytes.
+/// The text: what the configuration said, with what was found in it. Without date, time and duration: the same search writes the same bytes.
 pub fn text(args: &TuneArgs, config: &str, parameters: &Parameters, report: &Report) -> Result<String> {
     let mut document: DocumentMut = config.parse().context("--config")?;
-    for (parameter, found) in parameters.0.iter().zip(&report.parameters) {
+    // What is as it was is left to the sidecars of the logs to come.
+    let changed = |(parameter, found): &(&Parameter, &FoundParameter)| found.found != parameter.default;
+    for (parameter, found) in parameters.0.iter().zip(&report.parameters).filter(changed) {
         put(&mut document, &parameter.name, found.found)
             .ok_or_else(|| anyhow!("--config: {} has no place in it", parameter.name))?;
     }
