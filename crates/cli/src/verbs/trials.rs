@@ -1,12 +1,11 @@
 //! What methods are compared and tuned on: logs with their truth, simulated or recorded.
 
 use crate::log_stream::LogStream;
-use crate::method;
 use crate::scenario_file::{Contest, Scenario};
 use crate::truth_beside;
 use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
-use adit_estimation::methods::{Method, MethodError, MethodReport, Nis};
+use adit_estimation::methods::{Method, MethodError, MethodReport};
 use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
 use adit_observation::sidecar::Sidecar;
@@ -15,7 +14,6 @@ use adit_simulation::{Emission, TruthState};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// All runs; each is made or read when it is its turn.
 pub enum Trials {
@@ -104,45 +102,24 @@ impl Trials {
     }
 }
 
-/// What a method made of a run.
-pub struct Driven {
-    /// All its solutions.
-    pub solutions: Vec<Solution>,
-    /// Normalised innovations squared, where it has any.
-    pub nis: Option<Nis>,
-    /// Odd things that it met.
-    pub warnings: Vec<String>,
-    /// Time of one inertial sample, ns.
-    pub time_per_step_ns: f64,
-}
-
 impl Trial {
-    /// The whole log through a method.
+    /// The whole log through a method, which is left as it is at the end; each solution goes to `take`.
     pub fn run<R: MethodReport>(
         &self,
-        mut method: Box<dyn Method<Report = R>>,
-    ) -> Result<Driven, MethodError> {
-        let samples = self.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
-        let mut solutions = Vec::with_capacity(samples);
-        let clock = Instant::now();
+        method: &mut dyn Method<Report = R>,
+        mut take: impl FnMut(Solution),
+    ) -> Result<(), MethodError> {
         for observation in &self.observations {
             let mut solution = method.observe(observation)?;
             while let Some(now) = solution {
-                solutions.push(now);
+                take(now);
                 solution = method.next_due()?;
             }
         }
         while let Some(last) = method.finish_next()? {
-            solutions.push(last);
+            take(last);
         }
-        let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
-        let report = method.report();
-        Ok(Driven {
-            solutions,
-            nis: report.nis(),
-            warnings: method::warnings(report.warnings()),
-            time_per_step_ns: elapsed_ns / samples as f64,
-        })
+        Ok(())
     }
 
     /// The truth as a path.

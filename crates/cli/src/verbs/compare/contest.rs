@@ -3,13 +3,15 @@
 use crate::config;
 use crate::method::{self, with_settings};
 use crate::scenario_file::Contender;
-use crate::verbs::trials::{Driven, Trial};
+use crate::verbs::trials::Trial;
+use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
-use adit_estimation::methods::{MethodError, MethodSettings, Nis};
+use adit_estimation::methods::{MethodError, MethodReport, MethodSettings, Nis};
 use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
 use adit_evaluation::evaluate::trajectory;
 use adit_observation::Observation;
 use anyhow::{Context, Result, bail};
+use std::time::Instant;
 
 /// What came of it.
 #[derive(Clone)]
@@ -45,6 +47,13 @@ pub fn enter(
     Ok((Entered { outcome: Some(outcome), warnings }, path))
 }
 
+struct Driven {
+    solutions: Vec<Solution>,
+    nis: Option<Nis>,
+    warnings: Vec<String>,
+    time_per_step_ns: f64,
+}
+
 fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Result<Driven, MethodError>> {
     let settings: S =
         config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
@@ -52,6 +61,18 @@ fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Resu
     if samples == 0 {
         bail!("no inertial samples, expected some");
     }
-    let method = settings.start()?;
-    Ok(trial.run(method))
+    let mut method = settings.start()?;
+    let mut solutions = Vec::with_capacity(samples);
+    let clock = Instant::now();
+    if let Err(error) = trial.run(method.as_mut(), |solution| solutions.push(solution)) {
+        return Ok(Err(error));
+    }
+    let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
+    let report = method.report();
+    Ok(Ok(Driven {
+        solutions,
+        nis: report.nis(),
+        warnings: method::warnings(report.warnings()),
+        time_per_step_ns: elapsed_ns / samples as f64,
+    }))
 }

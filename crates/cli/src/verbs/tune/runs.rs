@@ -9,13 +9,12 @@ use crate::method::{self, MethodName, with_settings};
 use crate::progress::{Progress, Unit};
 use crate::verbs::trials::{Trial, Trials};
 use adit_core::solution::Solution;
-use adit_core::trajectory::Trajectory;
+use adit_core::trajectory::{Pose, Trajectory};
 use adit_estimation::methods::MethodSettings;
 use adit_evaluation::alignment::{Alignment, align_attitudes};
 use adit_evaluation::ape::attitude_error;
 use adit_evaluation::association::{Association, associate};
-use adit_evaluation::compare::{RunOptions, run_errors};
-use adit_evaluation::evaluate::trajectory;
+use adit_evaluation::compare::path_errors_m;
 use adit_evaluation::marks::Judged;
 use adit_observation::sidecar::Sidecar;
 use anyhow::{Context, Result, bail};
@@ -82,15 +81,15 @@ impl Rules {
 pub struct Runs {
     runs: Vec<Run>,
     rules: Rules,
-    drive: fn(&Trial, toml::Table) -> Result<Vec<Solution>>,
+    drive: fn(&Trial, toml::Table) -> Result<Trajectory>,
 }
 
 struct Run {
     trial: Trial,
     /// The settings as they are.
     settings: toml::Table,
-    /// The part of the truth by which attitudes are judged.
-    judged: Trajectory,
+    /// The truth by which it is judged.
+    truth: Trajectory,
     /// Moments that are judged with the settings as they are.
     moments: usize,
 }
@@ -163,10 +162,10 @@ impl Runs {
 
     fn errors(&self, run: &Run, settings: toml::Table) -> Result<Errors> {
         let place = || run.trial.name.clone();
-        let solutions = (self.drive)(&run.trial, settings).with_context(place)?;
+        let estimate = (self.drive)(&run.trial, settings).with_context(place)?;
         let errors = match self.rules.what {
-            Judgement::Position => self.rules.of_positions(run, &solutions),
-            Judgement::Attitude => self.rules.of_attitudes(run, &solutions),
+            Judgement::Position => self.rules.of_positions(&estimate, &run.truth),
+            Judgement::Attitude => self.rules.of_attitudes(&estimate, &run.truth),
         };
         let errors = errors.with_context(place)?;
         if !errors.mean_square.is_finite() {
@@ -177,7 +176,7 @@ impl Runs {
 }
 
 impl Run {
-    fn new(method: MethodName, trial: Trial, config: &toml::Table, rules: &Rules) -> Result<Self> {
+    fn new(method: MethodName, mut trial: Trial, config: &toml::Table, rules: &Rules) -> Result<Self> {
         let known = match rules.what {
             Judgement::Position => trial.has_position,
             Judgement::Attitude => trial.has_attitude,
@@ -188,28 +187,32 @@ impl Run {
         }
         let settings = with_settings!(method, S => settings::<S>(trial.sidecar.as_ref(), config))
             .with_context(|| trial.name.clone())?;
-        let judged = Judged::of(&trial.path()?, trial.marked.as_deref())?.truth;
-        let begin = judged.poses().first().map(|first| first.time);
-        let late = judged
-            .poses()
-            .iter()
-            .filter(|pose| begin.is_some_and(|begin| (pose.time - begin).seconds() >= rules.from_s))
-            .copied();
-        let judged = Trajectory::new(late.collect())?;
-        Ok(Self { trial, settings, judged, moments: 0 })
+        let truth = match rules.what {
+            Judgement::Position => trial.path()?,
+            Judgement::Attitude => rules.of_marked(&trial)?,
+        };
+        // One truth is enough.
+        (trial.truth, trial.marked) = (Vec::new(), None);
+        Ok(Self { trial, settings, truth, moments: 0 })
     }
 }
 
 impl Rules {
-    fn of_positions(&self, run: &Run, solutions: &[Solution]) -> Result<Errors> {
-        let options =
-            RunOptions { alignment: self.alignment, from_s: self.from_s, positions: true, attitudes: false };
-        let errors = run_errors(solutions, &run.trial.truth, &options)?;
-        Ok(Errors::of(errors.horizontal_m()))
+    /// The truth of attitudes: what it marks, from when on somebody judges.
+    fn of_marked(&self, trial: &Trial) -> Result<Trajectory> {
+        let whole = trial.path()?;
+        let first = whole.poses().first().map(|pose| pose.time);
+        let marked = Judged::of(&whole, trial.marked.as_deref())?.truth;
+        let late = |pose: &&Pose| first.is_some_and(|first| (pose.time - first).seconds() >= self.from_s);
+        Ok(Trajectory::new(marked.poses().iter().filter(late).copied().collect())?)
     }
 
-    fn of_attitudes(&self, run: &Run, solutions: &[Solution]) -> Result<Errors> {
-        let pairs = associate(&trajectory(solutions)?, &run.judged, &Association::default())?.pairs;
+    fn of_positions(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
+        Ok(Errors::of(path_errors_m(estimate, truth, self.alignment, self.from_s)?.into_iter()))
+    }
+
+    fn of_attitudes(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
+        let pairs = associate(estimate, truth, &Association::default())?.pairs;
         let turn = align_attitudes(&pairs, self.alignment)?;
         let total_deg = pairs
             .iter()
@@ -236,9 +239,14 @@ fn settings<S: MethodSettings>(sidecar: Option<&Sidecar>, config: &toml::Table) 
     toml::Table::try_from(settings).context("settings cannot be written as TOML")
 }
 
-fn drive<S: MethodSettings>(trial: &Trial, settings: toml::Table) -> Result<Vec<Solution>> {
+fn drive<S: MethodSettings>(trial: &Trial, settings: toml::Table) -> Result<Trajectory> {
     let settings: S = settings.try_into()?;
-    Ok(trial.run(settings.start()?)?.solutions)
+    // Poses alone: solutions with their covariances would take ten times the memory, and as much time.
+    let mut poses = Vec::new();
+    trial.run(settings.start()?.as_mut(), |Solution { time, position_m, attitude, .. }| {
+        poses.push(Pose { time, position_m, attitude });
+    })?;
+    Ok(Trajectory::new(poses)?)
 }
 
 /// The mean over the runs of their mean squared errors, each method run over its whole logs.
