@@ -5,7 +5,9 @@
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
-use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning, RadioUse};
+use adit_estimation::methods::{
+    Estimates, Known, MethodReport, MethodSettings, MethodWarning, NoiseParameter, RadioUse,
+};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -99,6 +101,11 @@ impl MethodName {
     /// What it does with the radio of a site.
     pub fn radio(self) -> RadioUse {
         with_settings!(self, S => S::RADIO)
+    }
+
+    /// The settings that tuning may search.
+    pub fn noise_parameters(self) -> impl Iterator<Item = &'static NoiseParameter> {
+        with_settings!(self, S => S::NOISE).iter().copied().flatten()
     }
 
     /// What a sidecar says that does not suit the method.

@@ -1,8 +1,10 @@
 //! `pdr` as one of the methods, and what it says of a run.
 
 use super::walker::{FACTOR, OFFSET, Walker};
-use super::{Direction, NAME, Pdr, PdrParams};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis};
+use super::{Direction, NAME, Pdr, PdrParams, params};
+use crate::methods::{
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter,
+};
 use crate::pedestrian::steps::Step;
 use adit_core::solution::Solution;
 use adit_observation::Observation;
@@ -110,6 +112,7 @@ impl MethodSettings for PdrParams {
     type Report = PdrReport;
 
     const NAME: &'static str = NAME;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         self.attitude = self.attitude.knowing(known);
