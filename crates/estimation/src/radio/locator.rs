@@ -104,10 +104,11 @@ impl Default for LocatorParams {
             },
             // Free space at 2.44 GHz: 20 log₁₀(4π · 1 m / λ).
             first_metre_db: 40.2,
-            sigma_db: 5.0,
+            // Shadowing, fading, and the trunk of the wearer in the way of half of them.
+            sigma_db: 8.0,
             half_width_m: 2.5,
             dof: 4.0,
-            offset_sigma_db: 3.0,
+            offset_sigma_db: 6.0,
             nearest: NearestParams::default(),
             belief: None,
             step_m: 1.0,
@@ -316,7 +317,12 @@ fn map_of(site: &RadioSite, params: &LocatorParams, emitters: &[(Emitter, Option
         None => (
             Storeys { height_m: 0.0, loss_db: 0.0 },
             Hearing { half_dbm: -90.0, width_db: 3.0, unsure: 0.05 },
-            MapParams { heard_weight: 0.0, ..MapParams::SCAN },
+            MapParams {
+                dof: params.dof,
+                offset_sigma: params.offset_sigma_db,
+                heard_weight: 0.0,
+                share: 1.0,
+            },
         ),
     };
     let belief = params.belief.unwrap_or(belief);
