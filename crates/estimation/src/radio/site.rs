@@ -8,7 +8,7 @@ use super::model::{FingerprintModel, PathLossModel};
 use super::nearest::Fingerprints;
 use super::{AreaPrior, MapParams, PathLoss, RadioMap};
 use adit_core::nalgebra::{Vector2, Vector3};
-use adit_mine::plan::{AccessPoint, MinePlan};
+use adit_mine::plan::{AccessPoint, MinePlan, Radio};
 use adit_observation::DeviceId;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -30,6 +30,8 @@ pub struct Transmitter {
     pub position_m: Vector3<f64>,
     /// Floor, where that is told.
     pub floor: Option<i32>,
+    /// A Bluetooth beacon.
+    pub beacon: bool,
     /// Transmit power, dBm.
     pub tx_power_dbm: Option<f64>,
     /// How its signal falls off, where that was calibrated.
@@ -91,6 +93,7 @@ impl RadioSite {
                 mac: None,
                 position_m: *anchor.position_m.raw(),
                 floor: None,
+                beacon: false,
                 tx_power_dbm: anchor.tx_power_dbm,
                 path_loss: None,
             }));
@@ -155,6 +158,7 @@ impl Transmitter {
             mac: access_point.mac.clone(),
             position_m: *access_point.position_m.raw(),
             floor: None,
+            beacon: access_point.radio == Radio::Ble,
             tx_power_dbm: access_point.tx_power_dbm,
             path_loss: access_point.path_loss,
         }

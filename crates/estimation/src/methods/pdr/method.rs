@@ -2,7 +2,9 @@
 
 use super::walker::{FACTOR, OFFSET, Walker};
 use super::{Direction, NAME, Pdr, PdrParams};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, RadioUse};
+use crate::methods::{
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, RadioUse,
+};
 use crate::pedestrian::steps::Step;
 use crate::radio::{HeardReport, RadioSite};
 use adit_core::solution::Solution;

@@ -147,8 +147,8 @@ impl Default for PdrRadio {
     fn default() -> Self {
         Self {
             used: true,
-            // The filter averages: a scan is a fix.
-            scan: ScanParams { averaged: 1, ..ScanParams::default() },
+            // Three seconds of packets, or the scans that there are in them: the filter itself averages what is longer ago.
+            scan: ScanParams { averaged: 6, longest_s: 3.0, ..ScanParams::default() },
             locator: LocatorParams::default(),
             // Shadowing is alike over some metres. The rest belongs to the place: an error ends where other transmitters are near,
             // and that is about as far as it is large.

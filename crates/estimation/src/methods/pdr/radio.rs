@@ -12,8 +12,8 @@
 //! same over and over. D is a length of shadowing, or the standard deviation of the fix where that is more: an error of 30 m that comes of far transmitters
 //! ends where others are near.
 
-use super::params::{PdrParams, PdrRadio};
 use super::NAME;
+use super::params::{PdrParams, PdrRadio};
 use crate::methods::MethodError;
 use crate::radio::{HeardReport, Listener};
 use adit_core::nalgebra::Vector2;
