@@ -236,9 +236,9 @@ pub struct TrackArgs {
     #[arg(long, value_name = "MINE", value_hint = ValueHint::FilePath)]
     pub mine: Option<PathBuf>,
 
-    /// The radio of the site as `adit calibrate pathloss` or `fingerprint` wrote it
+    /// The radio of the site as `adit calibrate pathloss` or `fingerprint` wrote it; one of each at most
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
-    pub radio: Option<PathBuf>,
+    pub radio: Vec<PathBuf>,
 
     /// Smooth over the whole log, forwards and backwards; holds it in memory
     #[arg(long)]
@@ -271,7 +271,7 @@ impl TrackArgs {
             let what = format!("{name} has no smoother: {flag} cannot be used with it");
             return Some((ErrorKind::ArgumentConflict, what));
         }
-        let site = mine.as_ref().map(|_| "--mine").or(radio.as_ref().map(|_| "--radio"));
+        let site = mine.as_ref().map(|_| "--mine").or(radio.first().map(|_| "--radio"));
         match (method.radio(), site) {
             (RadioUse::Unused, Some(flag)) => {
                 let what =

@@ -6,7 +6,7 @@ use adit_estimation::radio::RadioSite;
 use adit_estimation::radio::model::{FingerprintModel, ModelKind, PathLossModel, VERSION};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How every model begins.
@@ -16,13 +16,13 @@ struct Head {
     version: Option<u32>,
 }
 
-/// The radio of a site by its mine and the calibration of its radio; `None` where neither is given.
-pub fn read(mine: Option<&Path>, model: Option<&Path>) -> Result<Option<Arc<RadioSite>>> {
-    if mine.is_none() && model.is_none() {
+/// The radio of a site by its mine and the calibrations of its radio; `None` where nothing is given.
+pub fn read(mine: Option<&Path>, models: &[PathBuf]) -> Result<Option<Arc<RadioSite>>> {
+    if mine.is_none() && models.is_empty() {
         return Ok(None);
     }
     let mut site = mine.map(of_mine).transpose()?.unwrap_or_default();
-    if let Some(path) = model {
+    for path in models {
         site = with_model(site, path)?;
     }
     Ok(Some(Arc::new(site)))

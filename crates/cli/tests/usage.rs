@@ -14,7 +14,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 15] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
-            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, ahrs]",
+            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, ahrs]",
         ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
@@ -31,6 +31,14 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
         (
             &["track", "a", "--method", "marg-ins", "-o", "b", "--smooth"],
             "marg-ins has no smoother: --smooth cannot be used with it",
+        ),
+        (
+            &["track", "a", "--method", "wifi", "-o", "b"],
+            "wifi needs the radio of the site: --mine MINE (places of access points) or --radio MODEL",
+        ),
+        (
+            &["track", "a", "--method", "foot-ins", "-o", "b", "--mine", "m.toml"],
+            "foot-ins makes no use of the radio of a site: --mine cannot be used with it",
         ),
         (&["eval", "a", "--truth", "b", "--align", "sim3"], "expected none, start, se2 or se3"),
         (&["tune", "foot-ins", "-o", "t.toml"], "--train <LOG>..."),

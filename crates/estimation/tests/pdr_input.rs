@@ -55,7 +55,7 @@ fn numbers_that_are_none_and_time_that_runs_backwards_are_errors() {
 #[test]
 fn fixes_of_any_time_are_used_or_counted() {
     let mut log = log();
-    // Before the first sample, out of order but not too late, impossible, and long past.
+    // Before the first sample, out of order but not too late, impossible, late, and from before the walk.
     log.insert(0, fix(-1.0));
     log.insert(800, fix(3.99));
     log.insert(1200, fix(5.9));
@@ -67,13 +67,14 @@ fn fixes_of_any_time_are_used_or_counted() {
     log.insert(1300, bad);
     let end = log.len() - 1;
     log.insert(end, fix(2.0));
+    log.insert(end, fix(-3.0));
     let mut method = Pdr::new(PdrParams::default()).unwrap();
     let solutions = solve(&mut method, &log).unwrap();
     assert!(solutions.windows(2).all(|pair| pair[0].time < pair[1].time));
     let report = method.report();
-    assert_eq!(report.fixes, 6);
+    assert_eq!(report.fixes, 7);
     assert_eq!(report.late_fixes, 1);
-    assert_eq!(report.searched_fixes + report.used_fixes, 4);
+    assert_eq!(report.searched_fixes + report.used_fixes, 5);
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn track_by<S: MethodSettings>(args: &TrackArgs) -> Result<TrackReport> {
     let clock = Instant::now();
     let mut stream = LogStream::open(&args.logs)?;
     let mut settings: S = method::settings(stream.sidecar(), args.config.as_deref())?;
-    if let Some(site) = radio_site::read(args.mine.as_deref(), args.radio.as_deref())? {
+    if let Some(site) = radio_site::read(args.mine.as_deref(), &args.radio)? {
         settings = settings.at_site(&site);
     }
     tracing::debug!("settings: {settings:?}");
@@ -300,7 +300,7 @@ impl TrackReport {
             out: Target::File(out),
             config: Some(config),
             mine: None,
-            radio: None,
+            radio: Vec::new(),
             smooth: false,
             lag: None,
             json: None,

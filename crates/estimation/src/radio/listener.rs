@@ -58,7 +58,7 @@ impl Listener {
     /// Takes a signal.
     pub fn observe(&mut self, signal: &SignalStrength) {
         self.heard.signals += 1;
-        if self.locator.number(&signal.transmitter).is_none() {
+        if !self.locator.knows(&signal.transmitter) {
             self.heard.unknown_signals += 1;
             let unknown = &mut self.heard.unknown_transmitters;
             if unknown.len() < MOST_NAMES && !unknown.contains(&signal.transmitter) {

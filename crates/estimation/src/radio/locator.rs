@@ -3,9 +3,11 @@
 //! | method | needs of the site |
 //! |---|---|
 //! | `centroid`, `weighted-centroid`, `inner-points…`, `trilateration`, `fit` | places of transmitters |
-//! | `map` | a surveyed map; or places of transmitters, and roadways or an area to be in |
+//! | `map` | a surveyed map; or places of transmitters: over roadways, an area, or around them |
 //! | `nearest` | fingerprints |
 //! | `auto` | `map` where it can be, else `fit` |
+//!
+//! Where `map` and `auto` find both, a scan goes to the one that knows most of what was heard: surveyed Wi-Fi beside beacons of known place.
 //!
 //! A transmitter without a calibrated path loss has that of [`LocatorParams::path_loss`], with its own power where that is told. Floors: transmitters
 //! on another floor than the strongest are left out of the circles; the map knows them.
@@ -18,7 +20,7 @@ use super::map::{Hearing, Storeys};
 use super::nearest::{Fingerprints, NearestParams};
 use super::scan::{HeardMean, Scan};
 use super::signal_fit::{SignalFitParams, signal_fit};
-use super::site::{CentreLines, RadioSite, Transmitter};
+use super::site::{CentreLines, RadioSite, Surveyed, SurveyedMap, Transmitter};
 use super::trilateration::linear_signals;
 use super::{AreaPrior, Emitter, Heard, Lattice, MapParams, PathLoss, RadioFix, RadioMap, Reading};
 use crate::settings::{first_unusable, not_negative, positive};
@@ -68,6 +70,8 @@ pub struct LocatorParams {
     pub above_m: f64,
     /// Path loss where none was calibrated; its strength at 1 m where no transmit power is told either.
     pub path_loss: PathLoss,
+    /// The same of Bluetooth beacons.
+    pub beacon_path_loss: PathLoss,
     /// What a transmitter of known power loses on the first metre, dB.
     pub first_metre_db: f64,
     /// Standard deviation of a strength about the path loss where none was calibrated, dB.
@@ -105,13 +109,21 @@ impl Default for LocatorParams {
                 breakpoint_m: Some(30.0),
                 exponent_beyond: Some(1.7),
             },
+            // 0 dBm less the first metre and what a small antenna, a case and a hand take.
+            beacon_path_loss: PathLoss {
+                rssi_at_1m_dbm: -50.0,
+                exponent: 2.5,
+                breakpoint_m: None,
+                exponent_beyond: None,
+            },
             // Free space at 2.44 GHz: 20 log₁₀(4π · 1 m / λ).
             first_metre_db: 40.2,
-            sigma_db: 5.0,
+            // Shadowing, fading, and the trunk of the wearer in the way of half of them.
+            sigma_db: 8.0,
             half_width_m: 2.5,
             to_roadway: true,
             dof: 4.0,
-            offset_sigma_db: 3.0,
+            offset_sigma_db: 6.0,
             nearest: NearestParams::default(),
             belief: None,
             step_m: 1.0,
@@ -130,6 +142,7 @@ impl LocatorParams {
             ("locator.height_m", self.height_m.is_none_or(f64::is_finite)),
             ("locator.above_m", self.above_m.is_finite()),
             ("locator.path_loss", is_usable(&self.path_loss)),
+            ("locator.beacon_path_loss", is_usable(&self.beacon_path_loss)),
             ("locator.first_metre_db", self.first_metre_db.is_finite()),
             ("locator.sigma_db", positive(self.sigma_db)),
             ("locator.half_width_m", not_negative(self.half_width_m)),
@@ -157,10 +170,20 @@ const MOST_PLACES: f64 = 4000.0;
 /// An area reaches this many standard deviations far.
 const AREA_SIGMAS: f64 = 2.5;
 
+/// People whose area is not told are this far from the transmitters, standard deviation, m.
+const AROUND_M: f64 = 10.0;
+
 /// Makes positions of scans.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Locator {
     params: LocatorParams,
+    /// A scan goes to the one that knows most of what was heard, the first of equals.
+    models: Vec<Named>,
+}
+
+/// A model and the names of its transmitters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Named {
     /// Names in logs with the number of the transmitter, by name.
     names: Vec<(DeviceId, usize)>,
     /// MAC addresses in whatever form.
@@ -182,59 +205,58 @@ enum Model {
 impl Locator {
     /// A locator for a site; else what its method needs of one that the site does not have.
     pub fn new(site: &RadioSite, params: LocatorParams) -> Result<Self, &'static str> {
-        let emitters = || emitters(site, &params);
-        let (surveyed, placed) = (site.surveyed.as_ref(), !site.transmitters.is_empty());
-        let circles = || Model::Emitters {
-            emitters: emitters(),
-            area: site.area,
-            centre_lines: if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() },
-        };
-        let model = match (params.method, surveyed) {
+        let surveyed = site.surveyed.as_ref();
+        let mut models = Vec::new();
+        match (params.method, surveyed) {
             (LocatorMethod::Nearest, None) => {
                 return Err("fingerprints (--radio, of adit calibrate fingerprint)");
             }
             (LocatorMethod::Nearest, Some(surveyed)) => {
-                Model::Fingerprints { fingerprints: surveyed.fingerprints.clone() }
+                let fingerprints = surveyed.fingerprints.clone();
+                models.push(Named::of_survey(surveyed, Model::Fingerprints { fingerprints }));
             }
             (LocatorMethod::Map | LocatorMethod::Auto, Some(surveyed)) => {
-                Model::Map { map: surveyed.map.clone(), belief: params.belief.unwrap_or(surveyed.belief) }
+                if let Some(SurveyedMap { map, belief }) = &surveyed.map {
+                    let (map, belief) = (map.clone(), params.belief.unwrap_or(*belief));
+                    models.push(Named::of_survey(surveyed, Model::Map { map, belief }));
+                }
             }
-            _ if !placed => {
-                return Err("places of transmitters (--mine, or --radio of adit calibrate pathloss)");
-            }
-            (LocatorMethod::Map, None) => map_of(site, &params, &emitters())
-                .ok_or("places where people can be: roadways (--mine), or an area (--radio)")?,
-            (LocatorMethod::Auto, None) => map_of(site, &params, &emitters()).unwrap_or_else(circles),
-            _ => circles(),
-        };
-        let of_survey =
-            matches!((&model, surveyed), (Model::Map { .. } | Model::Fingerprints { .. }, Some(_)));
-        let (mut names, transmitters) = match surveyed.filter(|_| of_survey) {
-            Some(surveyed) => (surveyed.transmitters.iter().cloned().zip(0..).collect(), Vec::new()),
-            None => (names(&site.transmitters), site.transmitters.clone()),
-        };
-        names.sort_unstable();
-        Ok(Self { params, names, transmitters, model })
+            _ => {}
+        }
+        if params.method != LocatorMethod::Nearest && !site.transmitters.is_empty() {
+            let emitters = emitters(site, &params);
+            let on_map = matches!(params.method, LocatorMethod::Map | LocatorMethod::Auto);
+            let map = if on_map { map_of(site, &params, &emitters) } else { None };
+            let centre_lines =
+                if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() };
+            let model = map.unwrap_or(Model::Emitters { emitters, area: site.area, centre_lines });
+            models.push(Named::of_transmitters(&site.transmitters, model));
+        }
+        if models.is_empty() {
+            return Err("places of transmitters (--mine, or --radio of adit calibrate pathloss)");
+        }
+        Ok(Self { params, models })
     }
 
-    /// Number of the transmitter of this name; `None` where the site does not know it.
-    pub fn number(&self, name: &DeviceId) -> Option<usize> {
-        match self.names.binary_search_by(|(known, _)| known.cmp(name)) {
-            Ok(index) => self.names.get(index).map(|(_, number)| *number),
-            Err(_) => self.transmitters.iter().position(|one| one.is_called(name.as_str())),
-        }
+    /// Whether the site knows a transmitter of this name.
+    pub fn knows(&self, name: &DeviceId) -> bool {
+        self.models.iter().any(|one| one.number(name).is_some())
     }
 
     /// The position by a scan; `None` where too little of what is known was heard.
     pub fn locate(&self, scan: &Scan) -> Option<RadioFix> {
-        let reading = |one: &HeardMean| {
-            Some(Reading { transmitter: self.number(&one.transmitter)?, value: one.rssi_dbm })
-        };
-        let mut readings: Vec<Reading> = scan.heard.iter().filter_map(reading).collect();
+        let mut chosen: Option<(&Named, Vec<Reading>)> = None;
+        for named in &self.models {
+            let readings = named.readings(scan);
+            if readings.len() > chosen.as_ref().map_or(0, |(_, known)| known.len()) {
+                chosen = Some((named, readings));
+            }
+        }
+        let (named, mut readings) = chosen?;
         if let Some(most) = self.params.strongest {
             strongest(&mut readings, most, |reading| reading.value);
         }
-        match &self.model {
+        match &named.model {
             Model::Emitters { emitters, area, centre_lines } => {
                 self.circles(&readings, emitters, area.as_ref(), centre_lines)
             }
@@ -291,6 +313,36 @@ impl Locator {
     }
 }
 
+impl Named {
+    fn of_survey(surveyed: &Surveyed, model: Model) -> Self {
+        let mut names: Vec<_> = surveyed.transmitters.iter().cloned().zip(0..).collect();
+        names.sort_unstable();
+        Self { names, transmitters: Vec::new(), model }
+    }
+
+    fn of_transmitters(transmitters: &[Transmitter], model: Model) -> Self {
+        let mut names = names(transmitters);
+        names.sort_unstable();
+        Self { names, transmitters: transmitters.to_vec(), model }
+    }
+
+    /// Number of the transmitter of this name; `None` where it is not known.
+    fn number(&self, name: &DeviceId) -> Option<usize> {
+        match self.names.binary_search_by(|(known, _)| known.cmp(name)) {
+            Ok(index) => self.names.get(index).map(|(_, number)| *number),
+            Err(_) => self.transmitters.iter().position(|one| one.is_called(name.as_str())),
+        }
+    }
+
+    /// What of a scan it knows.
+    fn readings(&self, scan: &Scan) -> Vec<Reading> {
+        let reading = |one: &HeardMean| {
+            Some(Reading { transmitter: self.number(&one.transmitter)?, value: one.rssi_dbm })
+        };
+        scan.heard.iter().filter_map(reading).collect()
+    }
+}
+
 fn names(transmitters: &[Transmitter]) -> Vec<(DeviceId, usize)> {
     let both = |(one, number): (&Transmitter, usize)| {
         [Some(&one.id), one.mac.as_ref()].map(|name| Some((DeviceId::new(name?)?, number)))
@@ -312,16 +364,16 @@ fn emitters(site: &RadioSite, params: &LocatorParams) -> Vec<(Emitter, Option<i3
         let mut position_m = transmitter.position_m;
         position_m.z = height_m.map_or(params.above_m, |height_m| position_m.z - height_m);
         let path_loss = transmitter.path_loss.unwrap_or_else(|| {
+            let usual = if transmitter.beacon { params.beacon_path_loss } else { params.path_loss };
             let told = transmitter.tx_power_dbm.map(|power| power - params.first_metre_db);
-            let rssi_at_1m_dbm = told.unwrap_or(params.path_loss.rssi_at_1m_dbm);
-            PathLoss { rssi_at_1m_dbm, ..params.path_loss }
+            PathLoss { rssi_at_1m_dbm: told.unwrap_or(usual.rssi_at_1m_dbm), ..usual }
         });
         (Emitter { position_m, path_loss, sigma_db }, transmitter.floor)
     };
     site.transmitters.iter().map(emitter).collect()
 }
 
-/// The map of a path loss over the roadways, or over an area; `None` where neither is known.
+/// The map of a path loss over the roadways, or over an area, or around the transmitters; `None` where these are too far apart.
 fn map_of(site: &RadioSite, params: &LocatorParams, emitters: &[(Emitter, Option<i32>)]) -> Option<Model> {
     let lattice =
         if site.spots_m.is_empty() { over_area(site, params)? } else { along_roadways(site, params)? };
@@ -331,7 +383,12 @@ fn map_of(site: &RadioSite, params: &LocatorParams, emitters: &[(Emitter, Option
         None => (
             Storeys { height_m: 0.0, loss_db: 0.0 },
             Hearing { half_dbm: -90.0, width_db: 3.0, unsure: 0.05 },
-            MapParams { heard_weight: 0.0, ..MapParams::SCAN },
+            MapParams {
+                dof: params.dof,
+                offset_sigma: params.offset_sigma_db,
+                heard_weight: 0.0,
+                share: 1.0,
+            },
         ),
     };
     let belief = params.belief.unwrap_or(belief);
@@ -356,7 +413,10 @@ fn along_roadways(site: &RadioSite, params: &LocatorParams) -> Option<Lattice> {
 }
 
 fn over_area(site: &RadioSite, params: &LocatorParams) -> Option<Lattice> {
-    let area = site.area?;
+    let around = || {
+        AreaPrior::of(&site.transmitters.iter().map(|one| one.position_m.xy()).collect::<Vec<_>>(), AROUND_M)
+    };
+    let area = site.area.or_else(around)?;
     let reach = area.covariance_m2.diagonal().map(|variance| AREA_SIGMAS * libm::sqrt(variance));
     let places = 4.0 * reach.x * reach.y / (params.step_m * params.step_m);
     let coarser = libm::sqrt((places / MOST_PLACES).max(1.0));

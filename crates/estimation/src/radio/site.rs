@@ -8,7 +8,7 @@ use super::model::{FingerprintModel, PathLossModel};
 use super::nearest::Fingerprints;
 use super::{AreaPrior, MapParams, PathLoss, RadioMap};
 use adit_core::nalgebra::{Vector2, Vector3};
-use adit_mine::plan::{AccessPoint, MinePlan};
+use adit_mine::plan::{AccessPoint, MinePlan, Radio};
 use adit_observation::DeviceId;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -30,6 +30,8 @@ pub struct Transmitter {
     pub position_m: Vector3<f64>,
     /// Floor, where that is told.
     pub floor: Option<i32>,
+    /// A Bluetooth beacon.
+    pub beacon: bool,
     /// Transmit power, dBm.
     pub tx_power_dbm: Option<f64>,
     /// How its signal falls off, where that was calibrated.
@@ -51,17 +53,24 @@ pub struct Calibrated {
     pub belief: MapParams,
 }
 
-/// Fingerprints and the map made of them.
+/// Fingerprints and, where one was made, the map of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Surveyed {
-    /// Names of the transmitters by their number in the map.
+    /// Names of the transmitters by their number.
     pub transmitters: Vec<DeviceId>,
-    /// What strengths to expect where.
-    pub map: RadioMap,
-    /// How far to believe them.
-    pub belief: MapParams,
     /// The spots as surveyed.
     pub fingerprints: Fingerprints,
+    /// What strengths to expect where.
+    pub map: Option<SurveyedMap>,
+}
+
+/// A map made of a survey.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurveyedMap {
+    /// What strengths to expect where.
+    pub map: RadioMap,
+    /// How far to believe it.
+    pub belief: MapParams,
 }
 
 /// Centre lines of roadways, seen from above.
@@ -113,6 +122,7 @@ impl RadioSite {
                 mac: None,
                 position_m: *anchor.position_m.raw(),
                 floor: None,
+                beacon: false,
                 tx_power_dbm: anchor.tx_power_dbm,
                 path_loss: None,
             }));
@@ -166,7 +176,8 @@ impl RadioSite {
     #[must_use]
     pub fn with_fingerprints(mut self, model: FingerprintModel) -> Self {
         let FingerprintModel { transmitters, strengths, belief, fingerprints, .. } = model;
-        self.surveyed = Some(Surveyed { transmitters, map: strengths, belief, fingerprints });
+        let map = Some(SurveyedMap { map: strengths, belief });
+        self.surveyed = Some(Surveyed { transmitters, fingerprints, map });
         self
     }
 }
@@ -178,6 +189,7 @@ impl Transmitter {
             mac: access_point.mac.clone(),
             position_m: *access_point.position_m.raw(),
             floor: None,
+            beacon: access_point.radio == Radio::Ble,
             tx_power_dbm: access_point.tx_power_dbm,
             path_loss: access_point.path_loss,
         }

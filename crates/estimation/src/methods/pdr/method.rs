@@ -3,12 +3,14 @@
 use super::walker::{FACTOR, OFFSET, Walker};
 use super::{Direction, NAME, Pdr, PdrParams, params};
 use crate::methods::{
-    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter,
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, RadioUse,
 };
 use crate::pedestrian::steps::Step;
+use crate::radio::{HeardReport, RadioSite};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +58,8 @@ pub struct PdrReport {
     pub late_fixes: u64,
     /// Sum of the normalised innovations squared of the used ones that are no outliers (2 degrees of freedom each).
     pub nis_sum: f64,
+    /// What was heard by radio, where it was used.
+    pub heard: Option<HeardReport>,
     /// Warnings, at most the first hundred.
     pub warnings: Vec<MethodWarning>,
 }
@@ -78,6 +82,15 @@ impl PdrReport {
         } else {
             self.nis_sum += nis;
         }
+    }
+
+    pub(super) fn note_radio(&mut self, heard: &HeardReport) {
+        if self.heard.is_none()
+            && let Some(warning) = heard.warning()
+        {
+            self.warn(warning);
+        }
+        self.heard = Some(heard.clone());
     }
 
     pub(super) fn warn(&mut self, warning: MethodWarning) {
@@ -113,6 +126,7 @@ impl MethodSettings for PdrParams {
 
     const NAME: &'static str = NAME;
     const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE];
+    const RADIO: RadioUse = RadioUse::Optional;
 
     fn knowing(mut self, known: &Known) -> Self {
         self.attitude = self.attitude.knowing(known);
@@ -121,6 +135,10 @@ impl MethodSettings for PdrParams {
             self.direction = Direction::Mounted;
         }
         self
+    }
+
+    fn at_site(self, radio: &Arc<RadioSite>) -> Self {
+        Self { site: Some(Arc::clone(radio)), ..self }
     }
 
     fn start(self) -> Result<Box<dyn Method<Report = PdrReport>>, MethodError> {

@@ -4,11 +4,13 @@
 //! specific force  → steps (pedestrian::steps), their length (pedestrian::step_length)    ┐
 //! gyro, acc, mag  → attitude (the estimator of ahrs) → direction of the step (course)    ┴→ filter (walker)
 //! position fixes  → where and which way on the map (search), then measurements of position ──────┘
+//! signal strengths → scans → position fixes (radio), where something is known of the radio of the site
 //! ```
 //!
 //! One solution for every step and, while nobody walks, one a second; between two steps a straight line is as good as
 //! anything that could be told (a solution a sample would cost more than all the rest and say no more). Solutions come late,
-//! with the step ([`crate::pedestrian::steps`]): 0.6 s in steady walking, 2 to 3 s at the beginning of a walk.
+//! with the step ([`crate::pedestrian::steps`]): 0.6 s in steady walking, 2 to 3 s at the beginning of a walk. Fixes may come
+//! later than that: one of the last half minute is held against where the walker was at its time.
 //!
 //! Frames: body to ENU, or the frame of the fixes; level: the height is zero and its variance is not told. Heading by
 //! magnetometer, else the body's x axis is north at the start, until fixes tell. Without a gyro (accelerometer alone) the
@@ -18,11 +20,13 @@
 pub mod course;
 mod method;
 mod params;
+mod radio;
 pub mod search;
+mod trail;
 pub mod walker;
 
 pub use method::PdrReport;
-pub use params::{Direction, FixParams, PdrNoise, PdrParams};
+pub use params::{Direction, FixParams, PdrNoise, PdrParams, PdrRadio};
 
 use crate::methods::ahrs::Ahrs;
 use crate::methods::{MethodError, MethodWarning};
@@ -34,8 +38,10 @@ use adit_core::time::{Interval, Time};
 use adit_observation::{AccelerationSample, ImuSample, Observation, PositionFix};
 use alloc::collections::VecDeque;
 use course::{Course, TURNED_OVER_RAD};
+use radio::RadioFixes;
 use search::{FOUND_RAD, Search, UNKNOWN_RAD};
 use serde::{Deserialize, Serialize};
+use trail::Trail;
 use walker::{EAST, FACTOR, Stretch, Walker};
 
 /// Name of the method.
@@ -48,6 +54,14 @@ const FIELD: Interval = Interval::from_nanos(39_000_000);
 const MOST_OUTLIERS: u32 = 4;
 /// Solutions of somebody who stands.
 const STANDING: Interval = Interval::from_nanos(1_000_000_000);
+
+/// A fix that waits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct HeldFix {
+    fix: PositionFix,
+    /// Made here of signal strengths: its errors are those of the fixes before it.
+    by_radio: bool,
+}
 
 /// One walker, streaming.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -75,8 +89,12 @@ pub struct Pdr {
     fixed: Option<Time>,
     /// Outliers among the fixes, one after the other.
     outliers: u32,
-    /// Fixes newer than the state, in order of time.
-    held: VecDeque<PositionFix>,
+    /// The way of the last seconds.
+    trail: Trail,
+    /// Fixes that wait for the state, in order of time.
+    held: VecDeque<HeldFix>,
+    /// Positions by the radio of the site, where something is known of it.
+    radio: Option<RadioFixes>,
     due: VecDeque<Solution>,
     report: PdrReport,
 }
@@ -110,7 +128,9 @@ impl Pdr {
             told: None,
             fixed: None,
             outliers: 0,
+            trail: Trail::default(),
             held: VecDeque::with_capacity(MOST_HELD),
+            radio: RadioFixes::new(&params)?,
             due: VecDeque::with_capacity(MOST_HELD),
             report: PdrReport::default(),
             params,
@@ -127,7 +147,16 @@ impl Pdr {
                 self.field = Some(magnetic.time);
                 self.attitude.observe_with(observation, &mut self.course)?;
             }
-            Observation::Fix(fix) => self.take(fix),
+            Observation::Fix(fix) => {
+                self.report.fixes += 1;
+                self.take(HeldFix { fix: *fix, by_radio: false });
+            }
+            Observation::Signal(signal) => {
+                if let Some(radio) = &mut self.radio {
+                    radio.observe(signal);
+                    self.hear(signal.time);
+                }
+            }
             _ => {}
         }
         Ok(self.due.pop_front())
@@ -141,6 +170,12 @@ impl Pdr {
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         let Some(latest) = self.latest else { return Err(MethodError::Empty) };
+        while let Some(fix) = self.radio.as_mut().and_then(RadioFixes::finish) {
+            self.take(HeldFix { fix, by_radio: true });
+        }
+        if let Some(radio) = &self.radio {
+            self.report.note_radio(radio.report());
+        }
         if self.time < self.latest {
             if self.attitude.has_begun() {
                 while self.attitude.finish_next_with(&mut self.course)?.is_some() {}
@@ -213,16 +248,27 @@ impl Pdr {
                 }
             }
         }
-        if self.detector.observe(time, specific_force_m_s2) { self.settle() } else { Ok(()) }
+        if self.detector.observe(time, specific_force_m_s2) {
+            self.hear(time);
+            self.settle()?;
+        }
+        Ok(())
+    }
+
+    /// Takes the radio's positions that are due.
+    fn hear(&mut self, now: Time) {
+        while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.due(now)) {
+            self.take(HeldFix { fix, by_radio: true });
+        }
     }
 
     /// Keeps a fix until the state has come to its time.
-    fn take(&mut self, fix: &PositionFix) {
-        self.report.fixes += 1;
-        if fix.fault().is_some() || !self.params.fixes.used {
+    fn take(&mut self, new: HeldFix) {
+        if new.fix.fault().is_some() || !self.params.fixes.used {
             return;
         }
-        if self.time.is_some_and(|time| fix.time < time) {
+        let time = new.fix.time;
+        if self.time.is_some_and(|now| time < now) && self.trail.at(time).is_none() {
             self.report.late_fixes += 1;
             return;
         }
@@ -230,8 +276,8 @@ impl Pdr {
             self.held.pop_front();
             self.report.late_fixes += 1;
         }
-        let place = self.held.partition_point(|held| held.time <= fix.time);
-        self.held.insert(place, *fix);
+        let place = self.held.partition_point(|held| held.fix.time <= time);
+        self.held.insert(place, new);
     }
 
     /// Takes the steps that are due, and the time until which there are no others.
@@ -264,15 +310,17 @@ impl Pdr {
         };
         let length_s = (step.time - begin).seconds();
         let mut walked = 0.0;
-        while let Some(fix) = self.next_held(step.time) {
-            let until = if length_s > 0.0 { (fix.time - begin).seconds() / length_s } else { 1.0 };
+        while let Some(held) = self.next_held(step.time) {
+            let time = held.fix.time;
+            let until = if length_s > 0.0 { (time - begin).seconds() / length_s } else { 1.0 };
             self.walk(&Stretch { part: (until - walked).max(0.0), ..stretch });
             walked = until.max(walked);
-            self.correct(&fix);
-            self.tell(fix.time)?;
+            self.correct(&held);
+            self.tell(time)?;
         }
         self.walk(&Stretch { part: (1.0 - walked).max(0.0), ..stretch });
         self.time = Some(step.time.max(begin));
+        self.trail.push(step.time.max(begin), self.walker.way_m);
         let (sin, cos) = libm::sincos(heading_rad + self.walker.offset_rad);
         let speed_m_s = self.walker.factor * stretch.length_m / step.period_s;
         self.velocity_m_s = Vector2::new(sin, cos) * speed_m_s;
@@ -349,20 +397,21 @@ impl Pdr {
     /// Nobody walks until then.
     fn stand(&mut self, until: Time) -> Result<(), MethodError> {
         while let Some(time) = self.time.filter(|time| *time < until) {
-            let fix = self.next_held(until);
+            let held = self.next_held(until);
             let tick = self.told.map_or(until, |told| told + STANDING);
-            let target = fix.map_or(until, |fix| fix.time).min(tick.max(time)).max(time);
+            let target = held.map_or(until, |held| held.fix.time).min(tick.max(time)).max(time);
             let sigma = self.params.noise.standing_m_sqrt_s;
             let drift = Matrix2::identity() * (sigma * sigma * (target - time).seconds());
             self.walker.spread(&drift);
             self.time = Some(target);
+            self.trail.push(target, self.walker.way_m);
             let mut due = target >= tick;
-            match fix {
-                Some(fix) if fix.time <= target => {
-                    self.correct(&fix);
+            match held {
+                Some(held) if held.fix.time <= target => {
+                    self.correct(&held);
                     due = true;
                 }
-                Some(fix) => self.held.push_front(fix),
+                Some(held) => self.held.push_front(held),
                 None => {}
             }
             if due {
@@ -373,16 +422,22 @@ impl Pdr {
     }
 
     /// The oldest fix held that is not newer than `time`.
-    fn next_held(&mut self, time: Time) -> Option<PositionFix> {
-        self.held.front().filter(|fix| fix.time <= time)?;
+    fn next_held(&mut self, time: Time) -> Option<HeldFix> {
+        self.held.front().filter(|held| held.fix.time <= time)?;
         self.held.pop_front()
     }
 
-    /// Uses a fix at the time of the state.
-    fn correct(&mut self, fix: &PositionFix) {
+    /// Uses a fix of the time of the state, or of one on the trail.
+    fn correct(&mut self, held: &HeldFix) {
+        let HeldFix { fix, by_radio } = held;
+        let late = self.time.is_some_and(|time| fix.time < time);
+        let way_m = if late { self.trail.at(fix.time) } else { None }.unwrap_or(self.walker.way_m);
+        let place_m = self.walker.position_m - self.walker.since(&way_m);
+        let weighed = self.radio.as_mut().filter(|_| *by_radio).map(|radio| radio.weigh(fix, &way_m));
+        let fix = weighed.as_ref().unwrap_or(fix);
         self.fixed = Some(fix.time);
         if let Some(search) = &mut self.search {
-            search.observe(fix, &self.walker.position_m);
+            search.observe(fix, &place_m);
             self.report.searched_fixes += 1;
             if search.is_over() {
                 self.walker = search.place(&self.walker);
@@ -395,16 +450,16 @@ impl Pdr {
             let own_north = !self.report.magnetic_heading;
             if own_north || self.walker.direction_variance() > FOUND_RAD * FOUND_RAD {
                 let search = self.search.get_or_insert_default();
-                search.observe(fix, &self.walker.position_m);
+                search.observe(fix, &place_m);
             } else {
-                self.walker.place(fix);
+                self.walker.place(fix, &way_m);
                 self.placed = true;
             }
             self.report.searched_fixes += 1;
             return;
         }
         let bound = self.params.fixes.nis_bound;
-        let Some(update) = self.walker.correct(fix, bound) else { return };
+        let Some(update) = self.walker.correct(fix, &way_m, bound) else { return };
         self.report.note_fix(update.nis, bound);
         self.outliers = if update.nis > bound { self.outliers + 1 } else { 0 };
         if self.outliers == MOST_OUTLIERS {
@@ -424,6 +479,7 @@ impl Pdr {
         let distance_m = self.params.noise.gap_speed_m_s * length_s;
         self.walker.spread(&(Matrix2::identity() * (distance_m * distance_m)));
         self.velocity_m_s = Vector2::zeros();
+        self.trail.clear();
         self.time = Some(time);
         self.told = Some(time);
         Ok(())

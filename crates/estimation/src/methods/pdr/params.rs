@@ -4,8 +4,12 @@ use crate::attitude::AttitudeParams;
 use crate::methods::NoiseParameter;
 use crate::pedestrian::step_length::StepLength;
 use crate::pedestrian::steps::StepParams;
+use crate::radio::RadioSite;
+use crate::radio::locator::LocatorParams;
+use crate::radio::scan::ScanParams;
 use crate::settings::{first_unusable, not_negative, positive};
 use adit_observation::StartPose;
+use alloc::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 /// How the direction of the walk follows from the attitude of the tag.
@@ -39,6 +43,29 @@ pub struct PdrParams {
     pub noise: PdrNoise,
     /// What is made of position fixes.
     pub fixes: FixParams,
+    /// How fixes are made of signal strengths.
+    pub radio: PdrRadio,
+    /// The radio of the site.
+    #[serde(skip)]
+    pub site: Option<Arc<RadioSite>>,
+}
+
+/// How fixes are made of signal strengths, where something is known of the radio of the site.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PdrRadio {
+    /// False: signal strengths are left.
+    pub used: bool,
+    /// How signals are gathered.
+    pub scan: ScanParams,
+    /// How positions are made of them.
+    pub locator: LocatorParams,
+    /// Way over which errors of positions are alike (down to 1/e), at least, m.
+    pub correlation_m: f64,
+    /// The same as a multiple of their own standard deviation, where that is more.
+    pub correlation_sigmas: f64,
+    /// Time over which they are alike, s.
+    pub correlation_s: f64,
 }
 
 /// Random errors of a walk.
@@ -93,6 +120,8 @@ impl Default for PdrParams {
             start: None,
             noise: PdrNoise::default(),
             fixes: FixParams::default(),
+            radio: PdrRadio::default(),
+            site: None,
         }
     }
 }
@@ -111,6 +140,22 @@ impl Default for PdrNoise {
             standing_m_sqrt_s: 0.05,
             gap_speed_m_s: 1.0,
             principal_axis_rad: 0.5,
+        }
+    }
+}
+
+impl Default for PdrRadio {
+    fn default() -> Self {
+        Self {
+            used: true,
+            // Three seconds of packets, or the scans that there are in them: the filter itself averages what is longer ago.
+            scan: ScanParams { averaged: 6, longest_s: 3.0, ..ScanParams::default() },
+            locator: LocatorParams::default(),
+            // Shadowing is alike over some metres. The rest belongs to the place: an error ends where other transmitters are near,
+            // and that is about as far as it is large.
+            correlation_m: 3.0,
+            correlation_sigmas: 1.0,
+            correlation_s: 120.0,
         }
     }
 }
@@ -163,6 +208,9 @@ impl PdrParams {
             ("noise.principal_axis_rad", positive(noise.principal_axis_rad)),
             ("fixes.nis_bound", positive(self.fixes.nis_bound)),
             ("fixes.hold_s", not_negative(self.fixes.hold_s)),
+            ("radio.correlation_m", positive(self.radio.correlation_m)),
+            ("radio.correlation_sigmas", not_negative(self.radio.correlation_sigmas)),
+            ("radio.correlation_s", positive(self.radio.correlation_s)),
         ]);
         own.or_else(|| self.attitude.unusable())
             .or_else(|| self.steps.unusable())

@@ -61,6 +61,8 @@ pub struct Walker {
     pub offset_rad: f64,
     /// κ.
     pub factor: f64,
+    /// The way so far as the tag's heading and the model's lengths tell it: ψ, η and κ turn and stretch it, m.
+    pub way_m: Vector2<f64>,
     /// Covariance of the error (truth minus estimate).
     pub covariance: SMatrix<f64, STATES, STATES>,
     /// Variance of the attitude's heading that η stands for, rad²; `None` before the first.
@@ -75,6 +77,7 @@ impl Walker {
             position_m: Vector2::zeros(),
             offset_rad: 0.0,
             factor: 1.0,
+            way_m: Vector2::zeros(),
             covariance: SMatrix::from_diagonal(&sigmas.component_mul(&sigmas)),
             heading_variance: None,
         }
@@ -87,6 +90,8 @@ impl Walker {
         let (along, across) = (Vector2::new(sin, cos), Vector2::new(cos, -sin));
         let walked_m = self.factor * length_m;
         self.position_m += along * walked_m;
+        let (sin, cos) = libm::sincos(stretch.heading_rad);
+        self.way_m += Vector2::new(sin, cos) * length_m;
         propagate(&mut self.covariance, |error| {
             let turn = error[OFFSET] + error[HEADING];
             let gained = along * (length_m * error[FACTOR]) + across * (walked_m * turn);
@@ -143,9 +148,9 @@ impl Walker {
         self.covariance[(OFFSET, OFFSET)] = sigma_rad * sigma_rad;
     }
 
-    /// The first fix on the map is all that is known of the position.
-    pub fn place(&mut self, fix: &PositionFix) {
-        self.position_m = fix.level_m;
+    /// The first fix on the map is all that is known of the position of when `way_m` was the way.
+    pub fn place(&mut self, fix: &PositionFix, way_m: &Vector2<f64>) {
+        self.position_m = fix.level_m + self.since(way_m);
         for axis in [EAST, NORTH] {
             self.covariance.row_mut(axis).fill(0.0);
             self.covariance.column_mut(axis).fill(0.0);
@@ -159,16 +164,55 @@ impl Walker {
         p[(OFFSET, OFFSET)] + 2.0 * p[(OFFSET, HEADING)] + p[(HEADING, HEADING)]
     }
 
-    /// Compares a fix with the position. `None` when it cannot be used; else whether it was bounded comes from the NIS.
-    pub fn correct(&mut self, fix: &PositionFix, nis_bound: f64) -> Option<SelectedUpdate<STATES, 2>> {
+    /// How far away the walker was when `way_m` was his way, east and north, m.
+    pub fn since(&self, way_m: &Vector2<f64>) -> Vector2<f64> {
+        let back = self.way_m - way_m;
+        let (sin, cos) = libm::sincos(self.offset_rad);
+        Vector2::new(cos * back.x + sin * back.y, cos * back.y - sin * back.x) * self.factor
+    }
+
+    /// Compares a fix with the position of when `way_m` was the way. `None` when it cannot be used; else whether it was bounded comes
+    /// from the NIS.
+    ///
+    /// The position then is that of now less what was walked since, `κ R(ψ + η) Δw`: the errors of κ, ψ and η are in it.
+    pub fn correct(
+        &mut self,
+        fix: &PositionFix,
+        way_m: &Vector2<f64>,
+        nis_bound: f64,
+    ) -> Option<SelectedUpdate<STATES, 2>> {
+        let since = self.since(way_m);
+        let (stretched, turned) = (since / self.factor, Vector2::new(since.y, -since.x));
+        let carry = |covariance: &mut SMatrix<f64, STATES, STATES>, sign: f64| {
+            propagate(covariance, |error| {
+                let walked = stretched * error[FACTOR] + turned * (error[OFFSET] + error[HEADING]);
+                let mut carried = *error;
+                carried[EAST] += sign * walked.x;
+                carried[NORTH] += sign * walked.y;
+                carried
+            });
+        };
+        let before = self.covariance;
+        if since != Vector2::zeros() {
+            carry(&mut self.covariance, -1.0);
+        }
         let predicted_m2 = self.covariance[(EAST, EAST)] + self.covariance[(NORTH, NORTH)];
         // Who is ten times less sure than the fix cannot call it an outlier.
         let sure = predicted_m2 < UNSURE * UNSURE * fix.covariance_m2.trace();
         let bound = if sure { nis_bound } else { f64::INFINITY };
-        let residual = fix.level_m - self.position_m;
+        let residual = fix.level_m - (self.position_m - since);
         let update =
-            update_selected(&mut self.covariance, [EAST, NORTH], &residual, &fix.covariance_m2, bound)?;
+            update_selected(&mut self.covariance, [EAST, NORTH], &residual, &fix.covariance_m2, bound);
+        let Some(update) = update else {
+            self.covariance = before;
+            return None;
+        };
+        self.position_m -= since;
         self.feed_back(&update.correction);
+        self.position_m += self.since(way_m);
+        if since != Vector2::zeros() {
+            carry(&mut self.covariance, 1.0);
+        }
         Some(update)
     }
 
