@@ -9,7 +9,7 @@ mod tune;
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
-pub use tune::TuneArgs;
+pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
 use crate::output::Target;

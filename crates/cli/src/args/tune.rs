@@ -6,6 +6,7 @@ use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
+use serde::Deserialize;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -71,6 +72,14 @@ pub struct TuneArgs {
     #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
+    /// The mine: TOML, JSON or GeoJSON, or a bare list of places, CSV with `anchor_id,x_m,y_m,z_m`
+    #[arg(long, value_name = "F", value_hint = ValueHint::FilePath)]
+    pub mine: Option<PathBuf>,
+
+    /// The radio of the site as `adit calibrate pathloss` or `fingerprint` wrote it; one of each at most
+    #[arg(long, value_name = "MODEL", num_args = 1.., value_hint = ValueHint::FilePath)]
+    pub radio: Vec<PathBuf>,
+
     /// What to forgive before errors are taken [default: se2; none for attitude]
     #[arg(long, value_name = "none|start|se2|se3")]
     pub align: Option<Alignment>,
@@ -122,7 +131,8 @@ impl TuneArgs {
 }
 
 /// An optimiser on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(transparent)]
 pub struct OptimiserName(pub adit_tuning::optimise::Method);
 
 impl ValueEnum for OptimiserName {

@@ -7,6 +7,7 @@ use crate::config;
 use crate::interrupt;
 use crate::method::{self, MethodName, with_settings};
 use crate::progress::{Progress, Unit};
+use crate::radio_site;
 use crate::verbs::trials::{Trial, Trials};
 use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
@@ -14,7 +15,7 @@ use adit_estimation::methods::MethodSettings;
 use adit_evaluation::alignment::{Alignment, align_attitudes};
 use adit_evaluation::ape::attitude_error;
 use adit_evaluation::association::{Association, associate};
-use adit_evaluation::compare::path_errors_m;
+use adit_evaluation::compare::{Moments, path_errors_m};
 use adit_evaluation::marks::Judged;
 use adit_observation::sidecar::Sidecar;
 use anyhow::{Context, Result, bail};
@@ -106,17 +107,37 @@ impl Runs {
     pub fn read(args: &TuneArgs, paths: &[PathBuf], config: &toml::Table) -> Result<Self> {
         let rules = Rules::of(args);
         let trials = Trials::recorded(paths)?;
+        let site = radio_site::read(args.mine.as_deref(), &args.radio)?;
         let progress = Progress::new("reading", Unit::Samples, Some(trials.len() as u64));
         let done = AtomicU64::new(0);
         let read = |index: usize| -> Result<Run> {
             interrupt::check()?;
-            let trial = trials.get(index)?;
+            let mut trial = trials.get(index)?;
+            trial.radio.clone_from(&site);
             let run = Run::new(args.method, trial, config, &rules)?;
             progress.at(done.fetch_add(1, Ordering::Relaxed) + 1);
             Ok(run)
         };
         let runs = (0..trials.len()).into_par_iter().map(read).collect::<Result<Vec<_>>>()?;
-        Ok(Self { runs, rules, drive: with_settings!(args.method, S => drive::<S>) })
+        Ok(Self::new(args.method, runs, rules))
+    }
+
+    /// Runs that are in memory already.
+    pub fn of(method: MethodName, trials: Vec<Trial>, config: &toml::Table, rules: Rules) -> Result<Self> {
+        let runs = trials.into_iter().map(|trial| Run::new(method, trial, config, &rules));
+        Ok(Self::new(method, runs.collect::<Result<_>>()?, rules))
+    }
+
+    fn new(method: MethodName, runs: Vec<Run>, rules: Rules) -> Self {
+        Self { runs, rules, drive: with_settings!(method, S => drive::<S>) }
+    }
+
+    /// Something of each: of its log, its settings as they are and its truth.
+    pub fn map<T: Send>(
+        &self,
+        of: impl Fn(&Trial, &toml::Table, &Trajectory) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
+        self.runs.par_iter().map(|run| of(&run.trial, &run.settings, &run.truth)).collect()
     }
 
     /// Names of the logs.
@@ -208,7 +229,8 @@ impl Rules {
     }
 
     fn of_positions(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
-        Ok(Errors::of(path_errors_m(estimate, truth, self.alignment, self.from_s)?.into_iter()))
+        let moments = Moments { from_s: self.from_s, ..Moments::default() };
+        Ok(Errors::of(path_errors_m(estimate, truth, self.alignment, moments)?.into_iter()))
     }
 
     fn of_attitudes(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
@@ -240,7 +262,10 @@ fn settings<S: MethodSettings>(sidecar: Option<&Sidecar>, config: &toml::Table) 
 }
 
 fn drive<S: MethodSettings>(trial: &Trial, settings: toml::Table) -> Result<Trajectory> {
-    let settings: S = settings.try_into()?;
+    let mut settings: S = settings.try_into()?;
+    if let Some(radio) = &trial.radio {
+        settings = settings.at_site(radio);
+    }
     // Poses alone: solutions with their covariances would take ten times the memory, and as much time.
     let mut poses = Vec::new();
     trial.run(settings.start()?.as_mut(), |Solution { time, position_m, attitude, .. }| {
