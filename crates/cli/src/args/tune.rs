@@ -11,7 +11,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 What is searched:
   the noise parameters of the method: how large its random errors are said to be. Each is searched by its logarithm between bounds that physics
-  sets, from the setting that it has now. One set of values for all runs.
+  sets, from the setting that it has now. One set of values for all runs. Afterwards each value that is worth nothing is taken back.
 
 What is sought:
   the least mean over the runs of the mean squared error. Paths: horizontal position, m², at the moments at which compare judges: every
