@@ -1,10 +1,11 @@
 //! `adit tune`: its flags.
 
-use super::not_negative;
+use super::{not_negative, radio_contradiction};
 use crate::method::MethodName;
 use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::builder::PossibleValue;
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum, ValueHint};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 What is searched:
   the noise parameters of the method: how large its random errors are said to be. Each is searched by its logarithm between bounds that physics
-  sets, from the setting that it has now. One set of values for all runs.
+  sets, from the setting that it has now. One set of values for all runs. Afterwards each value that is worth nothing is taken back.
 
 What is sought:
   the least mean over the runs of the mean squared error. Paths: horizontal position, m², at the moments at which compare judges: every
@@ -72,12 +73,12 @@ pub struct TuneArgs {
     #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
-    /// The mine: TOML, JSON or GeoJSON, or a bare list of places, CSV with `anchor_id,x_m,y_m,z_m`
-    #[arg(long, value_name = "F", value_hint = ValueHint::FilePath)]
+    /// The mine, as for track
+    #[arg(long, value_name = "MINE", value_hint = ValueHint::FilePath)]
     pub mine: Option<PathBuf>,
 
-    /// The radio of the site as `adit calibrate pathloss` or `fingerprint` wrote it; one of each at most
-    #[arg(long, value_name = "MODEL", num_args = 1.., value_hint = ValueHint::FilePath)]
+    /// The radio of the site, as for track
+    #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub radio: Vec<PathBuf>,
 
     /// What to forgive before errors are taken [default: se2; none for attitude]
@@ -107,26 +108,30 @@ pub struct TuneArgs {
 
 impl TuneArgs {
     /// What is wrong beyond a single flag.
-    pub fn contradiction(&self) -> Option<String> {
+    pub fn contradiction(&self) -> Option<(ErrorKind, String)> {
+        let Self { method, budget, agents, .. } = self;
+        let conflict = |what: String| Some((ErrorKind::ArgumentConflict, what));
         let stdout = self.out == Target::Stdout;
         if stdout && self.json == Some(Target::Stdout) {
-            return Some("-o and --json cannot both go to stdout".to_owned());
+            return conflict("-o and --json cannot both go to stdout".to_owned());
         }
         if stdout && self.resume {
-            return Some("--resume needs a file for -o: what is known stands beside it".to_owned());
+            return conflict("--resume needs a file for -o: what is known stands beside it".to_owned());
         }
-        if self.budget < self.agents {
-            let Self { budget, agents, .. } = self;
-            return Some(format!("--budget {budget} is less than one generation of --agents {agents}"));
+        if budget < agents {
+            return conflict(format!("--budget {budget} is less than one generation of --agents {agents}"));
         }
-        let method = self.method.name();
-        let known: Vec<&str> = self.method.noise_parameters().map(|parameter| parameter.path).collect();
+        let known: Vec<&str> = method.noise_parameters().map(|parameter| parameter.path).collect();
         if known.is_empty() {
-            return Some(format!("{method} has no noise parameters to tune"));
+            return conflict(format!("{} has no noise parameters to tune", method.name()));
         }
-        let unknown = self.parameters.iter().find(|name| !known.contains(&name.as_str()))?;
-        let known = known.join(", ");
-        Some(format!("--parameters: {unknown} is no noise parameter of {method}, expected some of {known}"))
+        if let Some(unknown) = self.parameters.iter().find(|name| !known.contains(&name.as_str())) {
+            let (name, known) = (method.name(), known.join(", "));
+            return conflict(format!(
+                "--parameters: {unknown} is no noise parameter of {name}, expected some of {known}"
+            ));
+        }
+        radio_contradiction(*method, self.mine.as_deref(), &self.radio)
     }
 }
 

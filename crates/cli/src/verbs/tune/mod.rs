@@ -22,6 +22,7 @@ use parameters::Parameters;
 use report::{BeforeAfter, Report};
 use runs::{Judgement, Rules, Runs, mean_cost};
 use search::RecordedSearch;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// Searches, judges, writes, says what was found.
@@ -147,10 +148,10 @@ fn answered(errors: Vec<Result<f64>>) -> Vec<Option<f64>> {
 fn say(args: &TuneArgs, report: &Report) -> Result<()> {
     let mut table = report.to_string();
     if let Target::File(path) = &args.out {
-        table += &format!("\nsettings    {}\n", path.display());
+        writeln!(table, "\nsettings    {}", path.display())?;
     }
     if let Some(path) = &args.plot {
-        table += &format!("figure      {}\n", path.display());
+        writeln!(table, "figure      {}", path.display())?;
     }
     if args.out == Target::Stdout || args.json == Some(Target::Stdout) {
         output::tell(&table);

@@ -92,7 +92,7 @@ impl Parameters {
                 warnings.push(what);
                 continue;
             };
-            if let Some(other) = values.iter().find(|value| **value != default) {
+            if let Some(other) = values.iter().find(|value| value.to_bits() != default.to_bits()) {
                 warnings.push(format!(
                     "{path} differs between the runs by their sidecars ({default} and {other}): one value for all is searched, from the first"
                 ));
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn a_default_on_its_bound_is_searched_on_the_other_side() {
         let lowest = Parameter { least: 1.0, ..parameter() };
-        assert_eq!(lowest.bounds(), [0.0, 1.0]);
+        assert_eq!(lowest.bounds().map(f64::to_bits), [0.0_f64, 1.0].map(f64::to_bits));
         assert_eq!(lowest.at_bound(1.0), None);
     }
 }

@@ -80,7 +80,7 @@ impl Rules {
 
 /// The runs, in memory.
 pub struct Runs {
-    runs: Vec<Run>,
+    all: Vec<Run>,
     rules: Rules,
     drive: fn(&Trial, toml::Table) -> Result<Trajectory>,
 }
@@ -107,19 +107,19 @@ impl Runs {
     pub fn read(args: &TuneArgs, paths: &[PathBuf], config: &toml::Table) -> Result<Self> {
         let rules = Rules::of(args);
         let trials = Trials::recorded(paths)?;
-        let site = radio_site::read(args.mine.as_deref(), &args.radio)?;
+        let radio = radio_site::read(args.mine.as_deref(), &args.radio)?;
         let progress = Progress::new("reading", Unit::Samples, Some(trials.len() as u64));
         let done = AtomicU64::new(0);
         let read = |index: usize| -> Result<Run> {
             interrupt::check()?;
             let mut trial = trials.get(index)?;
-            trial.radio.clone_from(&site);
+            trial.radio.clone_from(&radio);
             let run = Run::new(args.method, trial, config, &rules)?;
             progress.at(done.fetch_add(1, Ordering::Relaxed) + 1);
             Ok(run)
         };
-        let runs = (0..trials.len()).into_par_iter().map(read).collect::<Result<Vec<_>>>()?;
-        Ok(Self::new(args.method, runs, rules))
+        let all = (0..trials.len()).into_par_iter().map(read).collect::<Result<Vec<_>>>()?;
+        Ok(Self::new(args.method, all, rules))
     }
 
     /// Runs that are in memory already.
@@ -128,8 +128,8 @@ impl Runs {
         Ok(Self::new(method, runs.collect::<Result<_>>()?, rules))
     }
 
-    fn new(method: MethodName, runs: Vec<Run>, rules: Rules) -> Self {
-        Self { runs, rules, drive: with_settings!(method, S => drive::<S>) }
+    fn new(method: MethodName, all: Vec<Run>, rules: Rules) -> Self {
+        Self { all, rules, drive: with_settings!(method, S => drive::<S>) }
     }
 
     /// Something of each: of its log, its settings as they are and its truth.
@@ -137,29 +137,29 @@ impl Runs {
         &self,
         of: impl Fn(&Trial, &toml::Table, &Trajectory) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        self.runs.par_iter().map(|run| of(&run.trial, &run.settings, &run.truth)).collect()
+        self.all.par_iter().map(|run| of(&run.trial, &run.settings, &run.truth)).collect()
     }
 
     /// Names of the logs.
     pub fn logs(&self) -> Vec<String> {
-        self.runs.iter().map(|run| run.trial.name.clone()).collect()
+        self.all.iter().map(|run| run.trial.name.clone()).collect()
     }
 
     /// Settings of each as they are.
     pub fn settings(&self) -> Vec<toml::Table> {
-        self.runs.iter().map(|run| run.settings.clone()).collect()
+        self.all.iter().map(|run| run.settings.clone()).collect()
     }
 
     /// Judges the settings as they are: mean squared error of each run, or why there is none. What others say is held against it.
     pub fn judge_as_they_are(&mut self) -> Vec<Result<f64>> {
         let judged: Vec<Result<Errors>> =
-            self.runs.par_iter().map(|run| self.errors(run, run.settings.clone())).collect();
+            self.all.par_iter().map(|run| self.errors(run, run.settings.clone())).collect();
         let keep = |(run, errors): (&mut Run, Result<Errors>)| {
             let Errors { mean_square, moments } = errors?;
             run.moments = moments;
             Ok(mean_square)
         };
-        self.runs.iter_mut().zip(judged).map(keep).collect()
+        self.all.iter_mut().zip(judged).map(keep).collect()
     }
 
     /// Judges values of the parameters: mean squared error of each run, or why there is none.
@@ -178,7 +178,7 @@ impl Runs {
             }
             Ok(mean_square)
         };
-        self.runs.par_iter().map(judged).collect()
+        self.all.par_iter().map(judged).collect()
     }
 
     fn errors(&self, run: &Run, settings: toml::Table) -> Result<Errors> {
