@@ -348,11 +348,12 @@ impl Pdr {
             return 0.0;
         };
         if let Some(leg) = self.course.at(step.time) {
-            let (variance, magnetic) = (leg.covariance_rad2[(2, 2)], leg.magnetic);
+            let (variance, magnetic, north) = (leg.covariance_rad2[(2, 2)], leg.magnetic, leg.north);
             self.walker.follow(noise, variance, magnetic, step.period_s);
             if !self.directed {
                 self.directed = true;
-                self.begin(heading.heading_rad, magnetic);
+                self.begin(heading.heading_rad, north);
+                self.look();
             }
         }
         if heading.turned_over {
@@ -439,16 +440,11 @@ impl Pdr {
         if let Some(search) = &mut self.search {
             search.observe(fix, &place_m);
             self.report.searched_fixes += 1;
-            if search.is_over() {
-                self.walker = search.place(&self.walker);
-                self.search = None;
-                self.placed = true;
-            }
+            self.look();
             return;
         }
         if !self.placed {
-            let own_north = !self.report.magnetic_heading;
-            if own_north || self.walker.direction_variance() > FOUND_RAD * FOUND_RAD {
+            if self.direction_variance() > FOUND_RAD * FOUND_RAD {
                 let search = self.search.get_or_insert_default();
                 search.observe(fix, &place_m);
             } else {
@@ -465,8 +461,26 @@ impl Pdr {
         if self.outliers == MOST_OUTLIERS {
             // Not the fixes are wrong, but what the walk was taken for.
             self.outliers = 0;
-            self.search = Some(Search::default());
+            self.search = Some(Search::anew());
             self.report.warn(MethodWarning::PathReopened { time: fix.time });
+        }
+    }
+
+    /// Ends the search when the direction is known.
+    fn look(&mut self) {
+        let direction_rad2 = self.direction_variance();
+        if let Some(search) = self.search.take_if(|search| search.is_over(direction_rad2)) {
+            self.walker = search.place(&self.walker, direction_rad2);
+            self.placed = true;
+        }
+    }
+
+    /// Variance of the direction as far as a magnetometer tells it, rad²; else that of any.
+    fn direction_variance(&self) -> f64 {
+        if self.report.magnetic_heading {
+            self.walker.direction_variance()
+        } else {
+            UNKNOWN_RAD * UNKNOWN_RAD
         }
     }
 
@@ -490,8 +504,11 @@ impl Pdr {
         if self.told.is_some_and(|told| time <= told) {
             return Ok(());
         }
-        let placed =
-            self.search.as_ref().filter(|search| !search.is_empty()).map(|search| search.place(&self.walker));
+        let placed = self
+            .search
+            .as_ref()
+            .filter(|search| !search.is_empty())
+            .map(|search| search.place(&self.walker, self.direction_variance()));
         let walker = placed.as_ref().unwrap_or(&self.walker);
         if !walker.is_finite() {
             return Err(MethodError::Diverged { time });
