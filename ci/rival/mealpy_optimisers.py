@@ -1,8 +1,10 @@
-"""DevBA and OriginalSCA of mealpy on the sphere and on Rastrigin's function, 8 dimensions, 30 agents x 200 generations.
+"""DevBA and OriginalSCA of mealpy on the sphere, Rastrigin's and Rosenbrock's function, 8 dimensions, 30 agents x 200 generations.
 
-    mealpy_optimisers.py SEEDS   prints `function optimum optimiser fitness...`, one line each, and the time of an evaluation
+    mealpy_optimisers.py SEEDS >crates/tuning/tests/reference/mealpy.csv   lines `function,optimum,optimiser,evaluations,seed,cost`
 
-The optimum stands at the origin, and, since sine cosine algorithms are drawn to zero, once more 30 % of the half width away from it.
+Mean, median and the time of an evaluation go to standard error. mealpy evaluates its first places and 200 generations: 6030 evaluations of OriginalSCA, a
+few more of DevBA. The optimum stands at the origin and, since sine cosine algorithms are drawn to zero, once more 30 % of the half width away from it.
+Made with Python 3.11, mealpy 3.0.3.
 """
 import sys
 import time
@@ -21,21 +23,42 @@ def rastrigin(x):
     return float(10 * len(x) + np.sum(x * x - 10 * np.cos(2 * np.pi * x)))
 
 
-evaluations, begun = 0, time.perf_counter()
-for name, function, half in (("sphere", sphere, 10.0), ("rastrigin", rastrigin, 5.12)):
-    for place, shift in (("origin", 0.0), ("shifted", 0.3 * half)):
-        for optimiser in (BA.DevBA, SCA.OriginalSCA):
-            found = []
-            for seed in range(int(sys.argv[1])):
+def rosenbrock(x):
+    return float(np.sum(100 * (x[1:] - x[:-1] ** 2) ** 2 + (1 - x[:-1]) ** 2))
 
-                def cost(x):
-                    global evaluations
-                    evaluations += 1
-                    return function(x - shift)
 
-                model = optimiser(epoch=GENERATIONS, pop_size=AGENTS)
-                bounds = FloatVar(lb=(-half,) * DIMENSIONS, ub=(half,) * DIMENSIONS)
-                model.solve({"bounds": bounds, "minmax": "min", "obj_func": cost, "log_to": None}, seed=seed)
-                found.append(model.g_best.target.fitness)
-            print(name, place, optimiser.__name__, *(f"{value:.6g}" for value in found), flush=True)
-print("time", (time.perf_counter() - begun) / evaluations)
+def search(optimiser, function, half, shift, seed):
+    """Evaluations and the least cost of one run."""
+    evaluations = 0
+
+    def cost(x):
+        nonlocal evaluations
+        evaluations += 1
+        return function(x - shift)
+
+    model = optimiser(epoch=GENERATIONS, pop_size=AGENTS)
+    bounds = FloatVar(lb=(-half,) * DIMENSIONS, ub=(half,) * DIMENSIONS)
+    model.solve({"bounds": bounds, "minmax": "min", "obj_func": cost, "log_to": None}, seed=seed)
+    return evaluations, model.g_best.target.fitness
+
+
+print("function,optimum,optimiser,evaluations,seed,cost")
+for name, function, half, place, shift in (
+    ("sphere", sphere, 10.0, "origin", 0.0),
+    ("sphere", sphere, 10.0, "shifted", 0.3 * 10.0),
+    ("rastrigin", rastrigin, 5.12, "origin", 0.0),
+    ("rastrigin", rastrigin, 5.12, "shifted", 0.3 * 5.12),
+    ("rosenbrock", rosenbrock, 5.0, "ones", 0.0),
+):
+    for optimiser in (BA.DevBA, SCA.OriginalSCA):
+        begun, asked, found = time.perf_counter(), 0, []
+        for seed in range(int(sys.argv[1])):
+            evaluations, cost = search(optimiser, function, half, shift, seed)
+            asked += evaluations
+            found.append(cost)
+            print(f"{name},{place},{optimiser.__name__},{evaluations},{seed},{cost:.9g}", flush=True)
+        spent = (time.perf_counter() - begun) / asked
+        print(
+            f"{name} {place} {optimiser.__name__}: mean {np.mean(found):.4g}, median {np.median(found):.4g}, {1e6 * spent:.0f} us an evaluation",
+            file=sys.stderr,
+        )

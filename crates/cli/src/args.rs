@@ -4,10 +4,12 @@ mod calibrate;
 mod compare;
 pub mod mine;
 mod radio;
+mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
+pub use tune::TuneArgs;
 
 use crate::method::MethodName;
 use crate::output::Target;
@@ -108,6 +110,11 @@ impl Adit {
             let what = "-o and --json cannot both go to stdout";
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
         }
+        if let Verb::Tune(tune) = &args.verb
+            && let Some(what) = tune.contradiction()
+        {
+            return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
+        }
         if let Verb::Track(track) = &args.verb
             && let Some((kind, what)) = track.contradiction()
         {
@@ -134,6 +141,8 @@ pub enum Verb {
     Mine(mine::MineArgs),
     /// Compare methods over many seeds of a scenario, or on recorded runs
     Compare(CompareArgs),
+    /// Find the noise parameters of a method on logs with truth
+    Tune(TuneArgs),
 }
 
 /// `adit demo`.

@@ -16,6 +16,7 @@ mod output;
 mod progress;
 mod radio_site;
 mod scenario_file;
+mod truth_beside;
 mod verbs;
 
 use std::process::ExitCode;

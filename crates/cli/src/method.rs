@@ -5,7 +5,9 @@
 
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
-use adit_estimation::methods::{Estimates, Known, MethodReport, MethodSettings, MethodWarning, RadioUse};
+use adit_estimation::methods::{
+    Estimates, Known, MethodReport, MethodSettings, MethodWarning, NoiseParameter, RadioUse,
+};
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -28,6 +30,8 @@ pub enum MethodName {
     Pdr,
     /// Positions by signal strength alone; needs --mine or --radio
     Wifi,
+    /// Steps of a tag at the waist and positions by signal strength, as system S1 joins them; needs --mine or --radio
+    PdrWifi,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -58,6 +62,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::Wifi => {
                 type $settings = adit_estimation::methods::wifi::WifiParams;
+                $body
+            }
+            $crate::method::MethodName::PdrWifi => {
+                type $settings = adit_estimation::methods::pdr_wifi::PdrWifiParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -95,15 +103,28 @@ impl MethodName {
         with_settings!(self, S => S::RADIO)
     }
 
+    /// The settings that tuning may search.
+    pub fn noise_parameters(self) -> impl Iterator<Item = &'static NoiseParameter> {
+        with_settings!(self, S => S::NOISE).iter().copied().flatten()
+    }
+
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (Self::Pdr, Some(Location::Foot)) => Some(format!(
+            (Self::Pdr | Self::PdrWifi, Some(Location::Foot)) => Some(format!(
                 "the sidecar puts the sensor on the foot, {} expects it above the knee",
                 self.name()
             )),
             (_, None | Some(Location::Foot))
-            | (Self::Pdr | Self::Wifi | Self::Ahrs | Self::ReducedInsWifi | Self::FullInsWifi, _) => None,
+            | (
+                Self::Pdr
+                | Self::Wifi
+                | Self::PdrWifi
+                | Self::Ahrs
+                | Self::ReducedInsWifi
+                | Self::FullInsWifi,
+                _,
+            ) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {
                 let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))

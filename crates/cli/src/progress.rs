@@ -33,6 +33,8 @@ pub enum Unit {
     Bytes,
     /// Samples.
     Samples,
+    /// Evaluations of a cost, with the best so far.
+    Evaluations,
 }
 
 impl Progress {
@@ -45,6 +47,9 @@ impl Progress {
             }
             (Unit::Bytes, None) => "{msg:9} {spinner} {bytes} {binary_bytes_per_sec}",
             (Unit::Samples, Some(_)) => "{msg:9} [{bar:40}] {human_pos}/{human_len} {per_sec} {eta} left",
+            (Unit::Evaluations, _) => {
+                "{msg:9} [{bar:30}] {human_pos}/{human_len} {per_sec} {eta} left {prefix}"
+            }
             (Unit::Samples, None) => "{msg:9} {spinner} {human_pos} {per_sec}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -57,6 +62,11 @@ impl Progress {
     /// Moves the bar on.
     pub fn more(&self, count: u64) {
         self.bar.inc(count);
+    }
+
+    /// Says something at the end of the line.
+    pub fn say(&self, what: String) {
+        self.bar.set_prefix(what);
     }
 
     /// Moves the bar.

@@ -11,7 +11,7 @@ fn run(args: &[&str]) -> Outcome {
 
 #[test]
 fn wrong_usage_is_one_line_and_exit_code_2() {
-    let cases: [(&[&str], &str); 10] = [
+    let cases: [(&[&str], &str); 15] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
             "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, ahrs]",
@@ -41,6 +41,20 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
             "foot-ins makes no use of the radio of a site: --mine cannot be used with it",
         ),
         (&["eval", "a", "--truth", "b", "--align", "sim3"], "expected none, start, se2 or se3"),
+        (&["tune", "foot-ins", "-o", "t.toml"], "--train <LOG>..."),
+        (
+            &["tune", "foot-ins", "--train", "a", "-o", "t.toml", "--budget", "19"],
+            "--budget 19 is less than one generation of --agents 20",
+        ),
+        (
+            &["tune", "pdr", "--train", "a", "-o", "t.toml", "--parameters", "noise.sonar"],
+            "noise.sonar is no noise parameter of pdr, expected some of noise.step_share, ",
+        ),
+        (&["tune", "pdr", "--train", "a", "-o", "-", "--resume"], "--resume needs a file for -o"),
+        (
+            &["tune", "pdr", "--train", "a", "-o", "t.toml", "--optimizer", "luck"],
+            "[possible values: cmaes, scaba, bat, sca]",
+        ),
         (&["dig"], "unrecognized subcommand 'dig'"),
     ];
     for (args, expected) in cases {
@@ -68,7 +82,7 @@ fn version_and_help_go_to_stdout() {
 
 #[test]
 fn help_reads_as_it_should() {
-    for verb in ["demo", "simulate", "track", "eval", "compare"] {
+    for verb in ["demo", "simulate", "track", "eval", "compare", "tune"] {
         insta::assert_snapshot!(format!("help_{verb}"), run(&[verb, "--help"]).stdout);
     }
     insta::assert_snapshot!("help", run(&["--help"]).stdout);

@@ -106,7 +106,10 @@ fn simulate(speed: f64, height: f64) -> Result<Walk, Box<dyn Error>> {
     let mine = Mine::new(plan)?;
     let place = |along_m| Place::Roadway { id: "a".into(), along_m, left_m: 0.0 };
     let body = Body { walk_m_s: speed, height_m: height, ..Body::default() };
-    let errands = vec![Errand::Stand { seconds: 2.0 }, Errand::Go { to: place(88.0), pace: Pace::Walk }];
+    let errands = vec![
+        Errand::Stand { seconds: 2.0 },
+        Errand::Go { to: place(88.0), pace: Pace::Walk, speed_m_s: None },
+    ];
     let person = PersonSpec { body, start: place(2.0), errands };
     let population =
         Population::new(&mine, &PopulationSpec { persons: vec![person], ..PopulationSpec::default() }, 4)?;

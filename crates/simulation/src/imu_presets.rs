@@ -62,6 +62,18 @@ impl ImuErrorModel {
         }
     }
 
+    /// `InvenSense` MPU-9250 (product specification PS-MPU-9250A-01, from memory): the tag of spec S1.
+    ///
+    /// As [`Self::mpu6050`], its elder, but for the noise of both sensors and the accelerometer's raw offset (±60 mg).
+    pub const fn mpu9250() -> Self {
+        let mut model = Self::mpu6050();
+        // 0.01 °/s/√Hz, 300 µg/√Hz.
+        model.gyro.random_walk = 0.01 * DEG_S;
+        model.accelerometer.random_walk = 300.0 * MICRO_G;
+        model.accelerometer.turn_on_bias = 12.0 * MILLI_G;
+        model
+    }
+
     /// Analog Devices ADIS16448 (data sheet, table 1): the tag of spec S2.
     pub const fn adis16448() -> Self {
         Self {

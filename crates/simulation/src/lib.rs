@@ -44,6 +44,7 @@ pub mod pressure;
 pub mod radio;
 pub mod roadway;
 pub mod scenario;
+mod told_start;
 pub mod tumble;
 pub mod workforce;
 
@@ -60,9 +61,8 @@ pub use motion::{Motion, MotionState};
 pub use people::{Person, Population, PopulationSpec};
 pub use pressure::{Barometer, BarometerModel, MineAir};
 pub use radio::{RadioSpec, RadioWorld, Tag};
-pub use roadway::{
-    FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk, StartErrors, ToldStart,
-};
+pub use roadway::{FixModel, RoadwayGenerator, RoadwayLeg, RoadwayPlan, RoadwayRanges, RoadwayWalk};
 pub use scenario::{FootWalkScenario, Generator, TruthState, generate};
+pub use told_start::{StartErrors, ToldStart};
 pub use tumble::{Swing, Tumble};
 pub use walk_plan::{Footprint, Leg, Stride, WalkPlan};

@@ -82,10 +82,11 @@ struct Conductor {
     radius_m: Option<f64>,
 }
 
-const MAGNETOMETERS: [Preset<MagnetometerModel>; 4] = [
+const MAGNETOMETERS: [Preset<MagnetometerModel>; 5] = [
     ("ideal", MagnetometerModel::ideal),
     ("xsens-mti-g", MagnetometerModel::xsens_mti_g),
     ("hmc5883l", MagnetometerModel::hmc5883l),
+    ("ak8963", MagnetometerModel::ak8963),
     ("adis16448", MagnetometerModel::adis16448),
 ];
 

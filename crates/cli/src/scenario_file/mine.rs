@@ -1,5 +1,6 @@
 //! The table `[mine]` of `kind = "mine"`: everybody in a mine, with their tags, the radio around them and what fails.
 
+use super::roadway::told;
 use super::{Kind, Preset, Run, Scenario};
 use adit_estimation::radio::RadioSite;
 use adit_mine::Mine;
@@ -9,7 +10,7 @@ use adit_simulation::pressure::{AirSpec, BarometerModel};
 use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
 use adit_simulation::radio::{Outage, RadioSpec};
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, TagStream, Workforce, WorkforceSpec};
-use adit_simulation::{Foot, IdealImu, ImuErrors, SimulationError};
+use adit_simulation::{Foot, IdealImu, ImuErrors, SimulationError, StartErrors};
 use anyhow::{Context, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -63,6 +64,17 @@ struct TagEntry {
     /// Its rate, Hz, in place of its own.
     barometer_hz: Option<Spanned<f64>>,
     radio: RadioRates,
+    /// How wrong the start is that the log's sidecar tells; nothing is told without it.
+    start: Option<Spanned<StartEntry>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StartEntry {
+    /// East and north each, σ, m.
+    position_m: f64,
+    /// About each axis, σ, deg.
+    attitude_deg: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
@@ -91,6 +103,7 @@ pub struct Everybody {
     /// Rate of the truth to write, Hz.
     pub truth_hz: f64,
     sidecar: Sidecar,
+    start: Option<StartErrors>,
 }
 
 impl Everybody {
@@ -101,7 +114,11 @@ impl Everybody {
             format!("there is no person {} in the mine, expected 1 to {count}", number + 1)
         })??;
         let duration_s = self.workforce.spec().duration_s;
-        Ok(Run { duration_s, sidecar: Some(self.sidecar.clone()), emissions: stream })
+        let mut sidecar = self.sidecar.clone();
+        if let Some(errors) = &self.start {
+            sidecar.start = self.workforce.told_start(number, errors).map(|start| told(&start, errors));
+        }
+        Ok(Run { duration_s, sidecar: Some(sidecar), emissions: stream })
     }
 }
 
@@ -181,7 +198,15 @@ impl Scenario {
         }
         // What only the log of a person can find wrong.
         workforce.stream(0).transpose().map_err(refused)?;
-        Ok(Everybody { workforce, truth_hz, sidecar })
+        let start = entry.tag.start.as_ref().map(|start| self.start_errors(start)).transpose()?;
+        Ok(Everybody { workforce, truth_hz, sidecar, start })
+    }
+
+    fn start_errors(&self, entry: &Spanned<StartEntry>) -> Result<StartErrors> {
+        let StartEntry { position_m, attitude_deg } = *entry.get_ref();
+        let errors = StartErrors { position_m: [position_m; 2], attitude_rad: attitude_deg.to_radians() };
+        errors.check().map_err(|error| self.source.refused(&entry.span(), &error))?;
+        Ok(errors)
     }
 
     fn barometer(&self, tag: &TagEntry) -> Result<Option<BarometerModel>> {

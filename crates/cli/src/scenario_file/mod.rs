@@ -122,11 +122,12 @@ const DEFAULT_RATE_HZ: f64 = 200.0;
 /// A name and what it stands for.
 type Preset<T> = (&'static str, fn() -> T);
 
-const SENSORS: [Preset<ImuErrorModel>; 6] = [
+const SENSORS: [Preset<ImuErrorModel>; 7] = [
     ("ideal", ImuErrorModel::default),
     ("adis16448", ImuErrorModel::adis16448),
     ("adis16448-calibrated", ImuErrorModel::adis16448_calibrated),
     ("mpu6050", ImuErrorModel::mpu6050),
+    ("mpu9250", ImuErrorModel::mpu9250),
     ("microstrain-gx5-25", ImuErrorModel::microstrain_gx5_25),
     ("xsens-mti-g", ImuErrorModel::xsens_mti_g),
 ];

@@ -104,7 +104,8 @@ impl RoadwayEntry {
     }
 }
 
-fn told(start: &ToldStart, errors: &StartErrors) -> StartPose {
+/// A told start as a sidecar has it.
+pub(super) fn told(start: &ToldStart, errors: &StartErrors) -> StartPose {
     let [heading_deg, pitch_deg, roll_deg] = StartPose::angles_deg(&start.attitude);
     StartPose {
         position_m: start.position_m.into(),

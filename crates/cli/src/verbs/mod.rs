@@ -7,6 +7,8 @@ mod eval;
 mod mine;
 mod simulate;
 mod track;
+mod trials;
+mod tune;
 
 use crate::args::Verb;
 use anyhow::Result;
@@ -21,5 +23,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Mine(args) => mine::run(args),
         Verb::Compare(args) => compare::run(args),
+        Verb::Tune(args) => tune::run(args),
     }
 }

@@ -1,11 +1,29 @@
 //! What comes in from a sensor on a foot: samples checked, the start aligned, stances found.
 
-use super::MethodError;
+use super::{MethodError, NoiseParameter};
 use crate::inertial::alignment::{Aligned, RestAlignment};
 use crate::pedestrian::stance::{Stance, StanceDetector, StanceParams};
 use adit_core::time::Time;
 use adit_observation::{ImuSample, MagneticSample};
 use serde::{Deserialize, Serialize};
+
+/// What tuning may search of every method on the foot: [`SensorNoise`](crate::inertial::filter::SensorNoise) and what the stance tells.
+pub(super) const NOISE: [NoiseParameter; 12] = [
+    // From a ring laser's 0.003 deg/sqrt(h) to what a foot shakes out of a clipped gyro; accelerometers from 10 µg/sqrt(Hz).
+    NoiseParameter::new("noise.angle_random_walk_rad_sqrt_s", 1e-6, 5e-2),
+    NoiseParameter::new("noise.rate_share_sqrt_s", 1e-5, 1e-2),
+    NoiseParameter::new("noise.velocity_random_walk_m_s_sqrt_s", 1e-4, 1e-1),
+    NoiseParameter::new("noise.force_share_sqrt_s", 1e-5, 5e-2),
+    NoiseParameter::new("noise.gyro_bias_walk_rad_s_sqrt_s", 1e-8, 1e-3),
+    NoiseParameter::new("noise.acc_bias_walk_m_s2_sqrt_s", 1e-7, 1e-2),
+    // A foot on rock, and one on scree or a moving belt.
+    NoiseParameter::new("zero_velocity.sigma_m_s", 1e-3, 0.5),
+    NoiseParameter::new("zero_velocity.statistic_sigma_m_s", 1e-4, 0.2),
+    NoiseParameter::new("zero_velocity.lever_sigma_m", 1e-3, 0.5),
+    NoiseParameter::new("zero_rate.sigma_rad_s", 1e-5, 5e-2),
+    NoiseParameter::new("zero_rate.rate_share", 1e-2, 10.0),
+    NoiseParameter::new("rest_gravity.sigma_m_s2", 1e-3, 2.0),
+];
 
 /// From the first sample to the stance of each, streaming.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -30,9 +30,12 @@ pub mod foot_ins;
 pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
+pub mod pdr_wifi;
+mod tunable;
 pub mod wifi;
 
 pub use error::{MethodError, MethodWarning};
+pub use tunable::NoiseParameter;
 
 use crate::magnetic::gate::ReferenceField;
 use crate::radio::RadioSite;
@@ -147,6 +150,8 @@ pub trait MethodSettings: Clone + Debug + Default + Serialize + DeserializeOwned
     const WHOLE_LOG: bool = false;
     /// What [`Self::at_site`] is good for.
     const RADIO: RadioUse = RadioUse::Unused;
+    /// The settings that tuning may search, in parts.
+    const NOISE: &'static [&'static [NoiseParameter]] = &[];
 
     /// These settings with what is known of the sensor and the site.
     #[must_use]

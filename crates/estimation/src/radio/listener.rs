@@ -130,6 +130,13 @@ impl HeardReport {
         })
     }
 
+    /// That not one position came of it.
+    pub(crate) fn no_position(&self) -> MethodError {
+        let names =
+            if self.unknown_signals > 0 { alloc::format!(" ({})", self.unknown()) } else { String::new() };
+        MethodError::NoPosition { signals: self.signals, unknown: self.unknown_signals, names }
+    }
+
     /// The first unknown transmitters by name, for a warning.
     pub fn unknown(&self) -> String {
         const SHOWN: usize = 3;

@@ -15,11 +15,12 @@
 
 use super::centroid::{CentroidWeight, centroid};
 use super::circles::{CircleParams, InnerWeight, inner_points};
+use super::line::row;
 use super::map::{Hearing, Storeys};
 use super::nearest::{Fingerprints, NearestParams};
 use super::scan::{HeardMean, Scan};
 use super::signal_fit::{SignalFitParams, signal_fit};
-use super::site::{RadioSite, Surveyed, Transmitter};
+use super::site::{CentreLines, RadioSite, Surveyed, Transmitter};
 use super::trilateration::linear_signals;
 use super::{AreaPrior, Emitter, Heard, Lattice, MapParams, PathLoss, RadioFix, RadioMap, Reading};
 use crate::settings::{first_unusable, not_negative, positive};
@@ -77,6 +78,8 @@ pub struct LocatorParams {
     pub sigma_db: f64,
     /// Half the width of a roadway, for transmitters in a row, m.
     pub half_width_m: f64,
+    /// Puts the fix of circles about transmitters in a row onto the nearest centre line: they tell where along a roadway, not where across it.
+    pub to_roadway: bool,
     /// Degrees of freedom of the errors of `fit`.
     pub dof: f64,
     /// Standard deviation of the tag's own offset in `fit`, dB.
@@ -118,6 +121,7 @@ impl Default for LocatorParams {
             // Shadowing, fading, and the trunk of the wearer in the way of half of them.
             sigma_db: 8.0,
             half_width_m: 2.5,
+            to_roadway: true,
             dof: 4.0,
             offset_sigma_db: 6.0,
             nearest: NearestParams::default(),
@@ -191,7 +195,7 @@ struct Named {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Model {
     /// Transmitters by number, with their floor; heights above the tag.
-    Emitters { emitters: Vec<(Emitter, Option<i32>)>, area: Option<AreaPrior> },
+    Emitters { emitters: Vec<(Emitter, Option<i32>)>, area: Option<AreaPrior>, centre_lines: CentreLines },
     /// A map by number.
     Map { map: RadioMap, belief: MapParams },
     /// Fingerprints by number.
@@ -221,7 +225,11 @@ impl Locator {
             let emitters = emitters(site, &params);
             let on_map = matches!(params.method, LocatorMethod::Map | LocatorMethod::Auto);
             let map = if on_map { map_of(site, &params, &emitters) } else { None };
-            let model = map.unwrap_or(Model::Emitters { emitters, area: site.area });
+            let model = map.unwrap_or_else(|| Model::Emitters {
+                emitters,
+                area: site.area,
+                centre_lines: if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() },
+            });
             models.push(Named::of_transmitters(&site.transmitters, model));
         }
         if models.is_empty() {
@@ -249,7 +257,9 @@ impl Locator {
             strongest(&mut readings, most, |reading| reading.value);
         }
         match &named.model {
-            Model::Emitters { emitters, area } => self.circles(&readings, emitters, area.as_ref()),
+            Model::Emitters { emitters, area, centre_lines } => {
+                self.circles(&readings, emitters, area.as_ref(), centre_lines)
+            }
             Model::Map { map, belief } => map.fix(&readings, belief).map(|place| place.fix),
             Model::Fingerprints { fingerprints } => {
                 fingerprints.nearest(&readings, &self.params.nearest).map(|place| place.fix)
@@ -262,6 +272,7 @@ impl Locator {
         readings: &[Reading],
         emitters: &[(Emitter, Option<i32>)],
         area: Option<&AreaPrior>,
+        centre_lines: &CentreLines,
     ) -> Option<RadioFix> {
         let known = || readings.iter().filter_map(|one| Some((emitters.get(one.transmitter)?, one.value)));
         let ((_, floor), _) = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -273,7 +284,8 @@ impl Locator {
         let inner = |heard: &[Heard<'_>], weight| {
             inner_points(heard, &CircleParams { weight, height_m: 0.0, half_width_m: params.half_width_m })
         };
-        match params.method {
+        let in_row = row(heard.iter().map(|one| one.emitter.position_m.xy())).is_some();
+        let fix = match params.method {
             LocatorMethod::Centroid => {
                 strongest(&mut heard, params.strongest.unwrap_or(3), |one| one.rssi_dbm);
                 centroid(&heard, CentroidWeight::Equal)
@@ -294,7 +306,10 @@ impl Locator {
                     &SignalFitParams { dof, offset_sigma_db, ..SignalFitParams::default() },
                 )
             }
-        }
+        }?;
+        // Along the row the circles tell; across it the roadway.
+        let nearest = if in_row { centre_lines.nearest(&fix.position_m) } else { None };
+        Some(RadioFix { position_m: nearest.unwrap_or(fix.position_m), ..fix })
     }
 }
 

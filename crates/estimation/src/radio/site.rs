@@ -66,6 +66,26 @@ pub struct Surveyed {
     pub fingerprints: Fingerprints,
 }
 
+/// Centre lines of roadways, seen from above.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CentreLines {
+    /// Straight parts, from and to, m.
+    pub legs_m: Vec<[Vector2<f64>; 2]>,
+}
+
+impl CentreLines {
+    /// The nearest point of any, m; `None` where there are none.
+    pub fn nearest(&self, point_m: &Vector2<f64>) -> Option<Vector2<f64>> {
+        let feet = self.legs_m.iter().map(|[from, to]| {
+            let along = to - from;
+            let share = (point_m - from).dot(&along) / along.norm_squared();
+            // NaN, of a leg without length, becomes its beginning.
+            from + along * if share > 0.0 { share.min(1.0) } else { 0.0 }
+        });
+        feet.min_by(|a, b| (a - point_m).norm_squared().total_cmp(&(b - point_m).norm_squared()))
+    }
+}
+
 /// All that is known of the radio of a site.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RadioSite {
@@ -73,6 +93,8 @@ pub struct RadioSite {
     pub transmitters: Vec<Transmitter>,
     /// Places where people are, east, north, m: along the centre lines of roadways.
     pub spots_m: Vec<Vector2<f64>>,
+    /// Those centre lines.
+    pub centre_lines: CentreLines,
     /// How far from them, m.
     pub reach_m: f64,
     /// Mean and spread of where people are.
@@ -98,10 +120,11 @@ impl RadioSite {
                 path_loss: None,
             }));
         }
-        let mut spots_m = Vec::new();
+        let (mut spots_m, mut centre_lines) = (Vec::new(), CentreLines::default());
         for roadway in &plan.roadways {
             for leg in roadway.points_m.windows(2) {
                 let (from, to) = (leg[0].raw().xy(), leg[1].raw().xy());
+                centre_lines.legs_m.push([from, to]);
                 let parts = libm::ceil((to - from).norm() / SPOT_M).max(1.0);
                 let mut part = 0.0;
                 while part <= parts {
@@ -113,7 +136,7 @@ impl RadioSite {
         let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
         let area = AreaPrior::of(&spots_m, MARGIN_M);
         let reach_m = MARGIN_M.max(0.5 * widest_m);
-        Self { transmitters, spots_m, reach_m, area, calibrated: None, surveyed: None }
+        Self { transmitters, spots_m, centre_lines, reach_m, area, calibrated: None, surveyed: None }
     }
 
     /// The same with what `adit calibrate pathloss` found.

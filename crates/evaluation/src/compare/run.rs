@@ -60,42 +60,72 @@ pub fn run_errors(
     options: &RunOptions,
 ) -> Result<RunErrors, EvaluationError> {
     let path = Trajectory::new(truth.iter().map(|state| state.pose).collect())?;
-    let motion = motion(solutions, &path, options)?;
-    let Some(first) = truth.first().map(|state| state.pose.time) else {
-        return Err(EvaluationError::TooFewPoses { what: "the truth", found: 0, expected: 1 });
+    let motion = if options.positions && options.alignment != Alignment::None {
+        motion(&trajectory(solutions)?, &path, options.alignment)?
+    } else {
+        RigidMotion::identity()
     };
     let mut errors = RunErrors::default();
-    let mut next_s = options.from_s;
-    for solution in solutions {
-        let since_s = (solution.time - first).seconds();
-        // Half a microsecond, for a grid that is no multiple of the sampling interval.
-        if since_s < next_s - 5e-7 {
-            continue;
-        }
-        let Some(pose) = path.at(solution.time) else { continue };
-        next_s = since_s + GRID_S;
+    for (index, since_s, pose) in judged(solutions.iter().map(|s| s.time), &path, options.from_s) {
+        let solution = &solutions[index];
         errors.push(since_s, solution, &pose, velocity_at(truth, solution.time), &motion, options);
     }
     if errors.time_s.is_empty() {
-        return Err(EvaluationError::TooFewPoses {
-            what: "the judged part of the run",
-            found: 0,
-            expected: 1,
-        });
+        return Err(NOTHING_JUDGED);
     }
     Ok(errors)
 }
 
+/// Horizontal position errors of a path, m, at the moments at which [`run_errors`] judges it.
+pub fn path_errors_m(
+    estimate: &Trajectory,
+    truth: &Trajectory,
+    alignment: Alignment,
+    from_s: f64,
+) -> Result<Vec<f64>, EvaluationError> {
+    let motion = motion(estimate, truth, alignment)?;
+    let poses = estimate.poses();
+    let error = |(index, _, pose): (usize, f64, Pose)| {
+        (motion.position(&poses[index].position_m) - pose.position_m).xy().norm()
+    };
+    let errors: Vec<f64> = judged(poses.iter().map(|pose| pose.time), truth, from_s).map(error).collect();
+    if errors.is_empty() { Err(NOTHING_JUDGED) } else { Ok(errors) }
+}
+
+/// No moment of the run could be judged.
+const NOTHING_JUDGED: EvaluationError =
+    EvaluationError::TooFewPoses { what: "the judged part of the run", found: 0, expected: 1 };
+
+/// Of these times those that are judged, one in [`GRID_S`] at most: number, time since the first truth, s, and the truth then.
+fn judged(
+    times: impl Iterator<Item = Time>,
+    truth: &Trajectory,
+    from_s: f64,
+) -> impl Iterator<Item = (usize, f64, Pose)> {
+    let first = truth.poses().first().map(|pose| pose.time);
+    let mut next_s = from_s;
+    times.enumerate().filter_map(move |(index, time)| {
+        let since_s = (time - first?).seconds();
+        // Half a microsecond, for a grid that is no multiple of the sampling interval.
+        if since_s < next_s - 5e-7 {
+            return None;
+        }
+        let pose = truth.at(time)?;
+        next_s = since_s + GRID_S;
+        Some((index, since_s, pose))
+    })
+}
+
 fn motion(
-    solutions: &[Solution],
-    path: &Trajectory,
-    options: &RunOptions,
+    estimate: &Trajectory,
+    truth: &Trajectory,
+    alignment: Alignment,
 ) -> Result<RigidMotion, EvaluationError> {
-    if options.alignment == Alignment::None || !options.positions {
+    if alignment == Alignment::None {
         return Ok(RigidMotion::identity());
     }
-    let pairs = associate(&trajectory(solutions)?, path, &Association::default())?.pairs;
-    align(&pairs, options.alignment, 1.0)
+    let pairs = associate(estimate, truth, &Association::default())?.pairs;
+    align(&pairs, alignment, 1.0)
 }
 
 /// Velocity of the truth, linear between its states.

@@ -36,6 +36,8 @@ const LEGEND_GAP_PX: i32 = 16;
 /// Smallest distance of ticks that reads well along an axis, px.
 const X_TICK_EVERY_PX: f64 = 70.0;
 const Y_TICK_EVERY_PX: f64 = 34.0;
+/// Fewer ticks do not tell the scale of a logarithmic axis.
+const FEWEST_TICKS: usize = 3;
 
 /// One axis: name with unit, range shown.
 #[derive(Debug, Clone)]
@@ -116,6 +118,13 @@ impl<'b> Frame<'b> {
     /// Draws logarithmic axes: ranges and points are common logarithms, ticks are powers of ten.
     pub fn decades(&self, x: &Axis, y: &Axis) -> Result<Chart<'_, 'b>, EvaluationError> {
         self.chart_on(x, y, &Scale::decades(&x.range), &Scale::decades(&y.range))
+    }
+
+    /// Draws a linear axis across and a logarithmic one up, of which range and points are common logarithms; ticks are round numbers.
+    pub fn magnitudes(&self, x: &Axis, y: &Axis) -> Result<Chart<'_, 'b>, EvaluationError> {
+        let (width, height) = self.plot_px();
+        let x_scale = Scale::over(&x.range, width / X_TICK_EVERY_PX);
+        self.chart_on(x, y, &x_scale, &Scale::magnitudes(&y.range, height / Y_TICK_EVERY_PX))
     }
 
     fn chart_with_ticks(
@@ -232,13 +241,23 @@ fn draw_entry(head: &Area<'_>, entry: &Entry, x: i32, y: i32) -> Result<(), Eval
     Ok(())
 }
 
-/// A linear axis with ticks at round values, or one of logarithms with ticks at powers of ten.
+/// What the ticks of an axis say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Labels {
+    /// The value, with so many decimals.
+    Decimals(usize),
+    /// The power of ten of which it is the logarithm.
+    Powers,
+    /// The number of which it is the logarithm.
+    Magnitudes,
+}
+
+/// A linear axis with ticks at round values, or one of logarithms with ticks at powers of ten or at round numbers.
 #[derive(Debug, Clone)]
 pub struct Scale {
     range: Range<f64>,
     ticks: Vec<f64>,
-    decimals: usize,
-    decades: bool,
+    labels: Labels,
 }
 
 impl Scale {
@@ -248,7 +267,7 @@ impl Scale {
         let first = (range.start / step).ceil();
         // A step is 1/30 of an axis at least, at the sizes figures have.
         let ticks = (0..40).map(|i| (first + f64::from(i)) * step).take_while(|v| *v <= range.end).collect();
-        Self { range: range.clone(), ticks, decimals: decimals(step), decades: false }
+        Self { range: range.clone(), ticks, labels: Labels::Decimals(decimals(step)) }
     }
 
     /// Every power of ten in a range of logarithms.
@@ -256,15 +275,38 @@ impl Scale {
         let first = range.start.ceil();
         // No figure spans 40 powers of ten.
         let ticks = (0..40).map(|i| first + f64::from(i)).take_while(|v| *v <= range.end).collect();
-        Self { range: range.clone(), ticks, decimals: 0, decades: true }
+        Self { range: range.clone(), ticks, labels: Labels::Powers }
+    }
+
+    /// Round numbers in a range of logarithms, `most` at most: powers of ten where three lie in it, else 1, 2, 5 and so on, else even steps.
+    fn magnitudes(range: &Range<f64>, most: f64) -> Self {
+        let decades = Self::decades(range);
+        if decades.ticks.len() >= FEWEST_TICKS {
+            return decades;
+        }
+        let within = |tick: &f64| range.contains(tick);
+        let first = range.start.floor();
+        let halves = (0..40).map(|i| first + f64::from(i)).take_while(|power| *power <= range.end);
+        let halves = halves.flat_map(|power| [1.0_f64, 2.0, 5.0].map(|m| power + m.log10()));
+        let mut ticks: Vec<f64> = halves.filter(within).collect();
+        if ticks.len() < FEWEST_TICKS {
+            let linear = 10_f64.powf(range.start)..10_f64.powf(range.end);
+            let even = Self::over(&linear, most.min(5.0)).ticks.into_iter();
+            ticks = even.map(f64::log10).filter(within).collect();
+        }
+        Self { range: range.clone(), ticks, labels: Labels::Magnitudes }
     }
 
     fn label(&self, value: f64) -> String {
-        if self.decades {
-            let digits = format!("{value:.0}");
-            return format!("10{}", digits.chars().map(superscript).collect::<String>());
-        }
-        let shown = format!("{:.*}", self.decimals, value.abs());
+        let decimals = match self.labels {
+            Labels::Decimals(decimals) => decimals,
+            Labels::Powers => {
+                let digits = format!("{value:.0}");
+                return format!("10{}", digits.chars().map(superscript).collect::<String>());
+            }
+            Labels::Magnitudes => return magnitude(10_f64.powf(value)),
+        };
+        let shown = format!("{:.decimals$}", value.abs());
         // No minus before a zero.
         let negative = value < 0.0 && shown.contains(|c: char| ('1'..='9').contains(&c));
         if negative { format!("−{shown}") } else { shown }
@@ -305,6 +347,25 @@ fn decimals(step: f64) -> usize {
     decimals
 }
 
+/// A number above zero in four digits at most: a power of ten behind it where it would be long.
+fn magnitude(value: f64) -> String {
+    let scientific = format!("{value:.3e}");
+    let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    match exponent.parse::<i32>() {
+        Ok(power @ -3..=4) => {
+            let decimals = usize::try_from(3 - power).unwrap_or(0);
+            let plain = format!("{value:.decimals$}");
+            if plain.contains('.') {
+                plain.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                plain
+            }
+        }
+        _ => format!("{digits}·10{}", exponent.chars().map(superscript).collect::<String>()),
+    }
+}
+
 /// A digit or minus as an exponent; anything else as it is.
 fn superscript(c: char) -> char {
     let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -342,6 +403,19 @@ mod tests {
         let scale = Scale::decades(&(-3.2..0.4));
         let labels: Vec<String> = scale.ticks.iter().map(|v| scale.label(*v)).collect();
         assert_eq!(labels, ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+    }
+
+    #[test]
+    fn a_range_of_magnitudes_has_round_ticks_whether_it_is_wide_or_narrow() {
+        let labels = |low: f64, high: f64| -> Vec<String> {
+            let scale = Scale::magnitudes(&(low.log10()..high.log10()), 9.0);
+            scale.ticks.iter().map(|v| scale.label(*v)).collect()
+        };
+        assert_eq!(labels(0.009, 11.0), ["10⁻²", "10⁻¹", "10⁰", "10¹"]);
+        assert_eq!(labels(0.009, 0.06), ["0.01", "0.02", "0.05"]);
+        assert_eq!(labels(0.0101, 0.0129), ["0.0105", "0.011", "0.0115", "0.012", "0.0125"]);
+        assert_eq!(labels(1.9e-5, 1.1e-4), ["2·10⁻⁵", "5·10⁻⁵", "1·10⁻⁴"]);
+        assert_eq!(labels(180.0, 1100.0), ["200", "500", "1000"]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod allan;
 mod attitude;
 mod axes;
 mod canvas;
+mod convergence;
 mod curves;
 mod magnetometer;
 mod path;
@@ -22,6 +23,7 @@ use adit_core::time::Time;
 use adit_core::trajectory::Trajectory;
 pub use allan::{AllanAxis, AllanPanel, AllanParts, allan_figure};
 pub use attitude::attitude_figure;
+pub use convergence::{ConvergenceCurve, convergence_figure};
 pub use magnetometer::{MagneticCloud, magnetometer_figure};
 pub use thin::MAX_POINTS;
 

@@ -1,5 +1,6 @@
 //! Who walks: build, speeds, habits.
 
+use super::errands::Pace;
 use super::posture::Manner;
 use crate::error::{SimulationError, check_within};
 use crate::gait::Gait;
@@ -53,13 +54,22 @@ impl Body {
     /// The numbers are those of a person.
     pub fn check(&self) -> Result<(), SimulationError> {
         check_within("height_m", self.height_m, 1.0, 2.5, "1 to 2.5 m")?;
-        check_within("walk_m_s", self.walk_m_s, 0.3, 2.5, "0.3 to 2.5 m/s")?;
+        check_within("walk_m_s", self.walk_m_s, 0.3, 3.2, "0.3 to 3.2 m/s")?;
         check_within("run_m_s", self.run_m_s, 1.0, 6.0, "1 to 6 m/s")?;
         check_within("crawl_m_s", self.crawl_m_s, 0.1, 1.0, "0.1 to 1 m/s")?;
         check_within("variation", self.variation, 0.0, 0.1, "0 to 0.1")?;
         check_within("keep_right_m", self.keep_right_m, 0.0, 10.0, "0 to 10 m")?;
         check_within("wander_m", self.wander_m, 0.0, 2.0, "0 to 2 m")?;
         check_within("headroom", self.headroom, 0.2, 1.0, "0.2 to 1")
+    }
+
+    /// The same person at another speed of a pace, m/s.
+    pub(super) fn at_speed(&self, pace: Pace, speed_m_s: f64) -> Self {
+        match pace {
+            Pace::Walk => Self { walk_m_s: speed_m_s, ..*self },
+            Pace::Run => Self { run_m_s: speed_m_s, ..*self },
+            Pace::Crawl => Self { crawl_m_s: speed_m_s, ..*self },
+        }
     }
 
     /// Length (m) and time (s) of a step, at this manner's speed.

@@ -69,6 +69,8 @@ pub enum Errand {
         /// How.
         #[serde(default)]
         pace: Pace,
+        /// Speed, m/s, in place of the person's own at that pace.
+        speed_m_s: Option<f64>,
     },
     /// Go to the nearest stop of a vehicle, wait for it, ride.
     Ride {
@@ -140,9 +142,11 @@ impl<'a> Planner<'a> {
                 check_within("turn_rad", *turn_rad, -100.0, 100.0, "-100 to 100 rad")?;
                 self.turn(-turn_rad);
             }
-            Errand::Go { to, pace } => {
+            Errand::Go { to, pace, speed_m_s } => {
                 let to = self.ground.stand("to", to)?;
-                if !self.go(&to, *pace) {
+                let body = speed_m_s.map_or(self.body, |speed| self.body.at_speed(*pace, speed));
+                body.check()?;
+                if !self.go_as(&body, &to, *pace) {
                     let found = self.describe(&to);
                     let expected = "a place that can be walked to";
                     return Err(SimulationError::Unknown { name: "to", found, expected });
@@ -203,8 +207,14 @@ impl<'a> Planner<'a> {
         self.turn(nearest_turn(yaw - self.yaw));
     }
 
-    /// Goes somewhere; false when no way leads there.
+    /// Goes somewhere at the person's own speed; false when no way leads there.
     pub fn go(&mut self, to: &Stand, pace: Pace) -> bool {
+        let body = self.body;
+        self.go_as(&body, to, pace)
+    }
+
+    /// Goes somewhere with the speeds of this body.
+    fn go_as(&mut self, body: &Body, to: &Stand, pace: Pace) -> bool {
         let headroom_m = self.body.headroom * self.body.height_m;
         let from = self.stand;
         if (self.ground.place(to).0 - self.place).norm() < NO_WAY_M {
@@ -236,7 +246,7 @@ impl<'a> Planner<'a> {
             parts.push((gone, length_m, upright));
         }
         for (from_m, to_m, manner) in parts {
-            self.go_part(&path, wander, (from_m, to_m), manner);
+            self.go_part(body, &path, wander, (from_m, to_m), manner);
         }
         self.stand = *to;
         true
@@ -244,19 +254,21 @@ impl<'a> Planner<'a> {
 
     fn go_part(
         &mut self,
+        body: &Body,
         path: &Arc<super::path::Path>,
         wander: [Tone; 2],
         (from_m, to_m): (f64, f64),
         manner: Manner,
     ) {
-        let (step_m, step_s) = self.body.step(manner);
+        let (step_m, step_s) = body.step(manner);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a way in a mine: some km at most"
         )]
         let steps = libm::ceil((to_m - from_m) / step_m - 1e-9).max(1.0) as u32 + 1;
-        let going = Going { path: Arc::clone(path), wander, from_m, to_m, steps, manner };
+        let hurry = self.body.step(manner).1 / step_s;
+        let going = Going { path: Arc::clone(path), wander, from_m, to_m, steps, manner, hurry };
         let (_, yaw) = going.at(from_m);
         self.face(yaw);
         if manner == Manner::Crawl {

@@ -79,7 +79,7 @@ fn print(fall: &Fall, foot: &Foot, yaw_before: f64) -> Footprint {
 /// The stride that ends with a fall.
 fn stride(body: &Body, fall: &Fall, from: Footprint, to: Footprint, flat_s: f64) -> Stride {
     let nominal = body.gait(fall.manner);
-    let full_s = nominal.stride_s * (1.0 - nominal.still_share);
+    let full_s = nominal.stride_s / fall.hurry * (1.0 - nominal.still_share);
     // When it would lift off, were the stride a full one; but neither before it may nor while it is still coming down.
     let begin_s = (fall.time_s - (1.0 - AFTER_STRIKE) * full_s).max(fall.earliest_s).max(flat_s + 0.02);
     let moving_s = ((fall.time_s - begin_s) / (1.0 - AFTER_STRIKE)).max(QUICKEST_S);

@@ -61,6 +61,8 @@ pub(super) struct Going {
     pub to_m: f64,
     pub steps: u32,
     pub manner: Manner,
+    /// Steps in the time that one takes at the person's own speed.
+    pub hurry: f64,
 }
 
 impl Going {

@@ -60,6 +60,8 @@ pub(super) struct Fall {
     pub pitch: f64,
     pub left: bool,
     pub manner: Manner,
+    /// How much faster the steps follow one another than the person's own.
+    pub hurry: f64,
     /// The foot was carried here since the fall before, not moved.
     pub carried: bool,
 }
@@ -92,8 +94,15 @@ pub(super) struct Steps {
 impl Steps {
     /// Lays the steps; two draws of `rng` for each step of going.
     pub fn lay(itinerary: &Itinerary, body: &Body, rng: &mut ChaCha8Rng) -> Self {
-        let mut layer =
-            Layer { body, rng, manner: Manner::Still, phase: 0.0, tilt: 0.0, steps: Self::empty() };
+        let mut layer = Layer {
+            body,
+            rng,
+            manner: Manner::Still,
+            hurry: 1.0,
+            phase: 0.0,
+            tilt: 0.0,
+            steps: Self::empty(),
+        };
         if let Some(first) = itinerary.episodes.first() {
             layer.node(first.start_s, first.place, first.yaw, true);
             for left in [true, false] {
@@ -144,6 +153,7 @@ struct Layer<'a> {
     body: &'a Body,
     rng: &'a mut ChaCha8Rng,
     manner: Manner,
+    hurry: f64,
     phase: f64,
     tilt: f64,
     steps: Steps,
@@ -174,8 +184,9 @@ impl Layer<'_> {
         (place, yaw, pitch): (Vector3<f64>, f64, f64),
         left: bool,
     ) {
-        let manner = self.manner;
-        self.steps.falls.push(Fall { time_s, earliest_s, place, yaw, pitch, left, manner, carried: false });
+        let (manner, hurry) = (self.manner, self.hurry);
+        let fall = Fall { time_s, earliest_s, place, yaw, pitch, left, manner, hurry, carried: false };
+        self.steps.falls.push(fall);
     }
 
     fn next_is_left(&self) -> bool {
@@ -283,6 +294,7 @@ impl Layer<'_> {
         let step_s = (end_s - start_s) / f64::from(steps);
         let (own_m, _) = self.body.step(going.manner);
         self.manner = going.manner;
+        self.hurry = going.hurry;
         // How far each foot has come, varied but for the last two, which stand side by side.
         let mut foot_m = going.from_m;
         for step in 1..=steps {
@@ -306,6 +318,7 @@ impl Layer<'_> {
                 node.effort = effort;
             }
         }
+        self.hurry = 1.0;
     }
 }
 

@@ -164,7 +164,7 @@ fn clipped(a: f64, b: f64, length: f64) -> Option<(f64, f64)> {
 
 /// The wearer's trunk behind the tag, as an obstacle.
 pub(crate) fn wearer(antenna: &Antenna, body: &super::spec::BodySpec) -> Option<Obstacle> {
-    let heading = antenna.facing_rad?;
+    let heading = antenna.facing_rad.filter(|_| body.shades)?;
     let (sin, cos) = libm::sincos(heading);
     let behind = body.half_width_m + body.gap_m;
     let foot_m = antenna.position_m - Vector3::new(sin * behind, cos * behind, body.tag_height_m);

@@ -25,6 +25,8 @@ pub struct RadioSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BodySpec {
+    /// Whether people are in the way of radio, their own tag's and one another's; not where antennas stand clear of them, on caps.
+    pub shades: bool,
     /// Half the width of the trunk, m.
     pub half_width_m: f64,
     /// Height, m.
@@ -59,7 +61,7 @@ impl Default for RadioSpec {
 
 impl Default for BodySpec {
     fn default() -> Self {
-        Self { half_width_m: 0.2, height_m: 1.75, tag_height_m: 1.3, gap_m: 0.03 }
+        Self { shades: true, half_width_m: 0.2, height_m: 1.75, tag_height_m: 1.3, gap_m: 0.03 }
     }
 }
 
@@ -75,7 +77,7 @@ impl RadioSpec {
         self.wifi.check()?;
         self.ble.check()?;
         self.uwb.check()?;
-        let BodySpec { half_width_m, height_m, tag_height_m, gap_m } = self.body;
+        let BodySpec { half_width_m, height_m, tag_height_m, gap_m, shades: _ } = self.body;
         check_within("half_width_m", half_width_m, 0.05, 1.0, "0.05 to 1 m")?;
         check_within("height_m", height_m, 0.5, 3.0, "0.5 to 3 m")?;
         check_within("tag_height_m", tag_height_m, 0.0, 3.0, "0 to 3 m")?;

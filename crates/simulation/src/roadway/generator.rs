@@ -5,8 +5,8 @@ use crate::emission::Emission;
 use crate::error::{SimulationError, check_within};
 use crate::imu_errors::{ImuErrorModel, ImuErrors};
 use crate::scenario::TruthState;
-use adit_core::attitude::{self, Attitude};
-use adit_core::nalgebra::{Vector2, Vector3};
+use crate::told_start::{StartErrors, ToldStart};
+use adit_core::nalgebra::Vector2;
 use adit_core::time::Time;
 use adit_observation::{FixSource, PositionFix};
 use rand_chacha::ChaCha8Rng;
@@ -28,25 +28,6 @@ pub struct FixModel {
     /// What gives them.
     #[serde(default)]
     pub source: FixSource,
-}
-
-/// How wrong the start is that somebody is told, σ.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct StartErrors {
-    /// Position east and north, m.
-    pub position_m: [f64; 2],
-    /// Attitude about each level axis, rad.
-    pub attitude_rad: f64,
-}
-
-/// The start as somebody is told it: the truth with one draw of [`StartErrors`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToldStart {
-    /// Position (east, north), level frame of the walk, m.
-    pub position_m: Vector2<f64>,
-    /// Body to level.
-    pub attitude: Attitude,
 }
 
 /// Iterator of samples and fixes with their truth, in order of their stamps; bounded memory. At equal stamps the sample comes
@@ -79,22 +60,17 @@ impl RoadwayGenerator {
         check_within("rate_hz", rate_hz, 10.0, 10_000.0, "10 to 10000 Hz")?;
         check_within("every_s", fixes.every_s, 0.01, 1e6, "0.01 to 1e6 s")?;
         check_within("sigma_m", fixes.sigma_m, 1e-3, 1e4, "1 mm to 10 km")?;
-        for sigma in start.position_m {
-            check_within("position_m", sigma, 0.0, 1e4, "0 to 10000 m")?;
-        }
-        check_within("attitude_rad", start.attitude_rad, 0.0, 0.5, "0 to 0.5 rad (28°)")?;
-        let stream = |number| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(number);
-            rng
-        };
-        let told = told(&walk.at(0.0), start, &mut stream(START_STREAM));
+        start.check()?;
+        let mut fix_rng = ChaCha8Rng::seed_from_u64(seed);
+        fix_rng.set_stream(FIX_STREAM);
+        let EarthState { position_m, attitude, .. } = walk.at(0.0);
+        let told = ToldStart::draw(&position_m, &attitude, start, seed, START_STREAM);
         Ok(Self {
             walk,
             errors: ImuErrors::new(errors, seed)?,
             rate_hz,
             fixes,
-            fix_rng: stream(FIX_STREAM),
+            fix_rng,
             told,
             count: 0,
             fix_count: 0,
@@ -143,17 +119,6 @@ impl RoadwayGenerator {
         let position_m = self.walk.at(time.seconds()).position_m;
         let level_m = position_m.xy() + Vector2::new(east, north) * sigma_m;
         Emission::Fix(PositionFix::level(time, level_m, sigma_m, source), position_m)
-    }
-}
-
-fn told(truth: &EarthState, errors: &StartErrors, rng: &mut ChaCha8Rng) -> ToldStart {
-    let mut draw = || StandardNormal.sample(&mut *rng);
-    let [east, north] = errors.position_m;
-    let position = Vector2::new(draw() * east, draw() * north);
-    let turn: Vector3<f64> = Vector3::new(draw(), draw(), draw()) * errors.attitude_rad;
-    ToldStart {
-        position_m: truth.position_m.xy() + position,
-        attitude: attitude::turn_navigation(&truth.attitude, &turn),
     }
 }
 

@@ -12,6 +12,6 @@ mod generator;
 mod plan;
 mod walk;
 
-pub use generator::{FixModel, RoadwayGenerator, StartErrors, ToldStart};
+pub use generator::{FixModel, RoadwayGenerator};
 pub use plan::{RoadwayLeg, RoadwayPlan, RoadwayRanges};
 pub use walk::{EarthState, RoadwayWalk};

@@ -19,6 +19,7 @@ const TRUNK_RADIUS_M: f64 = 0.2;
 pub(super) struct Crowd {
     people: Vec<Arc<Person>>,
     vehicles: Vec<Arc<Vehicle>>,
+    shades: bool,
 }
 
 /// The part of a crowd around one person, looked up anew every second.
@@ -31,11 +32,13 @@ pub(super) struct Neighbours {
 }
 
 impl Crowd {
-    pub fn new(population: &Population) -> Result<Self, SimulationError> {
+    /// `shades`: whether people are in the way of radio.
+    pub fn new(population: &Population, shades: bool) -> Result<Self, SimulationError> {
         let people = (0..population.len()).filter_map(|index| population.person(index));
         Ok(Self {
             people: people.map(|person| person.map(Arc::new)).collect::<Result<_, _>>()?,
             vehicles: population.vehicles().to_vec(),
+            shades,
         })
     }
 
@@ -82,7 +85,7 @@ impl Neighbours {
         let near = |floor_m: Vector3<f64>| (floor_m - here_m).norm_squared() < NEAR_M * NEAR_M;
         self.renewed_s = Some(time_s);
         self.people.clear();
-        let others = (0..).zip(&crowd.people).filter(|(index, _)| *index as usize != wearer);
+        let others = (0..).zip(&crowd.people).filter(|(index, _)| crowd.shades && *index as usize != wearer);
         self.people.extend(others.filter(|(_, person)| near(person.floor_m(time_s))).map(|(index, _)| index));
         self.vehicles.clear();
         let vehicles = (0..).zip(&crowd.vehicles).filter(|(_, vehicle)| near(vehicle.pose(time_s).floor_m));

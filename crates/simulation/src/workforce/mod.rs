@@ -22,13 +22,18 @@ pub use outfit::{Mount, Outfit, RadioRates, Worn};
 pub use stream::TagStream;
 
 use crate::error::{SimulationError, check_within};
+use crate::motion::Motion;
 use crate::people::{Person, Population, PopulationSpec};
 use crate::pressure::{AirSpec, MineAir, Passage};
 use crate::radio::delivery::{ClockSpec, LinkSpec};
 use crate::radio::{Outage, RadioSpec, RadioWorld};
+use crate::told_start::{StartErrors, ToldStart};
 use adit_mine::Mine;
 use crowd::Crowd;
 use std::sync::Arc;
+
+/// `ChaCha8` streams of what is told of a person's start.
+const START_STREAM: u64 = 1 << 41;
 
 /// Who works in a mine, what they wear, and what may go wrong with its radio.
 #[derive(Debug, Clone)]
@@ -81,7 +86,7 @@ impl Workforce {
         spec.outfit.check()?;
         let radio = RadioWorld::new(Arc::clone(&mine), &spec.radio, &spec.outages, seed)?;
         let population = Population::new(&mine, &spec.population, seed)?;
-        let crowd = Crowd::new(&population)?;
+        let crowd = Crowd::new(&population, spec.radio.body.shades)?;
         // Only who reads a barometer needs the air, and everybody's passages through doors.
         let air = if spec.outfit.barometer.is_some() {
             let mut air = MineAir::new(&mine, &spec.air, seed)?;
@@ -127,6 +132,14 @@ impl Workforce {
     /// The log of a person, by number from 0; `None` beyond the last.
     pub fn stream(self: &Arc<Self>, person: usize) -> Option<Result<TagStream, SimulationError>> {
         self.crowd.person(person).map(|wearer| TagStream::new(self, wearer, person))
+    }
+
+    /// What is told of the start of a person's log, by number from 0; `None` beyond the last.
+    pub fn told_start(&self, person: usize, errors: &StartErrors) -> Option<ToldStart> {
+        let wearer = self.crowd.person(person)?;
+        let start = Worn::new(wearer, self.spec.outfit.mount, self.spec.duration_s).at(0.0);
+        let stream = START_STREAM + person as u64;
+        Some(ToldStart::draw(&start.position_m, &start.attitude, errors, self.seed, stream))
     }
 
     /// Do the conveyors run?

@@ -22,14 +22,18 @@ fn errands() -> PersonSpec {
         start: roadway("l300-haulage", 40.0),
         errands: vec![
             Errand::Stand { seconds: 20.0 },
-            Errand::Go { to: roadway("l300-panel-1", 60.0), pace: Pace::Walk },
+            Errand::Go { to: roadway("l300-panel-1", 60.0), pace: Pace::Walk, speed_m_s: None },
             Errand::Work { seconds: 30.0 },
             Errand::Turn { turn_rad: 3.0 },
-            Errand::Go { to: roadway("l300-panel-1", 100.0), pace: Pace::Run },
-            Errand::Go { to: roadway("l300-panel-1", 92.0), pace: Pace::Crawl },
+            Errand::Go { to: roadway("l300-panel-1", 100.0), pace: Pace::Run, speed_m_s: None },
+            Errand::Go { to: roadway("l300-panel-1", 92.0), pace: Pace::Crawl, speed_m_s: None },
             Errand::Stand { seconds: 2.0 },
             Errand::Ride { vehicle: 0, to_stop: 2 },
-            Errand::Go { to: Place::Zone { id: "l360-refuge-2".into() }, pace: Pace::Walk },
+            Errand::Go {
+                to: Place::Zone { id: "l360-refuge-2".into() },
+                pace: Pace::Walk,
+                speed_m_s: Some(1.9),
+            },
             Errand::Stand { seconds: 10.0 },
         ],
     }
@@ -269,9 +273,33 @@ fn shares_of_activity_come_out_as_asked() {
 }
 
 #[test]
+fn an_errand_is_gone_at_the_speed_it_names() {
+    let mine = two_level();
+    let go =
+        |along_m, speed_m_s| Errand::Go { to: roadway("l300-haulage", along_m), pace: Pace::Walk, speed_m_s };
+    let errands = vec![go(300.0, Some(2.0)), go(40.0, Some(1.0)), go(300.0, None)];
+    let person = PersonSpec { body: Body::default(), start: roadway("l300-haulage", 40.0), errands };
+    let spec = PopulationSpec { persons: vec![person], ..PopulationSpec::default() };
+    let person = Population::new(&mine, &spec, 1).unwrap().person(0).unwrap().unwrap();
+    let episodes: Vec<_> = person.episodes().collect();
+    let going: Vec<f64> = episodes
+        .windows(2)
+        .filter(|pair| pair[0].1 == Activity::Walk && pair[1].0 - pair[0].0 > 60.0)
+        .map(|pair| {
+            (person.at(pair[1].0).floor_m - person.at(pair[0].0).floor_m).norm() / (pair[1].0 - pair[0].0)
+        })
+        .collect();
+    // The first and the last step are half as long: 1 of 500.
+    for (found, expected) in going.iter().zip([2.0, 1.0, 1.25]) {
+        assert!((found / expected - 1.0).abs() < 0.01, "{going:?}");
+    }
+    assert_eq!(going.len(), 3);
+}
+
+#[test]
 fn low_roadways_are_crawled() {
     let mine: Mine = crawlway();
-    let errands = vec![Errand::Go { to: roadway("b", 30.0), pace: Pace::Walk }];
+    let errands = vec![Errand::Go { to: roadway("b", 30.0), pace: Pace::Walk, speed_m_s: None }];
     let person = PersonSpec { body: Body::default(), start: roadway("a", 2.0), errands };
     let spec = PopulationSpec { persons: vec![person], ..PopulationSpec::default() };
     let person = Population::new(&mine, &spec, 1).unwrap().person(0).unwrap().unwrap();
@@ -316,7 +344,7 @@ fn what_is_wrong_is_named() {
     assert!(matches!(no_stop, SimulationError::Parameter { name: "to_stop", found: 9.0, .. }));
     let up_the_ladder = Place::Roadway { id: "ladderway".into(), along_m: 100.0, left_m: 0.0 };
     let no_way = refused(PersonSpec {
-        errands: vec![Errand::Go { to: up_the_ladder, pace: Pace::Walk }],
+        errands: vec![Errand::Go { to: up_the_ladder, pace: Pace::Walk, speed_m_s: None }],
         ..errands()
     });
     assert!(matches!(no_way, SimulationError::Unknown { name: "to", .. }));

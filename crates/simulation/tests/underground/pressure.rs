@@ -106,7 +106,7 @@ fn through_the_door() -> PersonSpec {
         start: place(20.0),
         errands: vec![
             Errand::Stand { seconds: 20.0 },
-            Errand::Go { to: place(80.0), pace: Pace::Walk },
+            Errand::Go { to: place(80.0), pace: Pace::Walk, speed_m_s: None },
             Errand::Stand { seconds: 30.0 },
         ],
     }

@@ -8,9 +8,10 @@
 //!
 //! Where the paper is silent:
 //!
-//! - `x_old` of the local search is the best place found so far; Ā is in units of [`Bat::reach`] times the width of each bound;
-//! - **ε** is long-tailed in each coordinate, `sign(u) |u|⁹` with u even from −1 to 1: most coordinates hardly move, some far. Even ε, as others take it, stays in
-//!   the first hollow of a hilly cost (Rastrigin in 8 dimensions: 32 instead of 1.4; `docs/methods/optimise.md`);
+//! - `x_old` of the local search is the best place found so far, ε Ā is a share of the width of each bound;
+//! - **ε** is drawn for each coordinate and has every order of size, `sign(u) |u|^tail` with u even from −1 to 1: at a [`Bat::tail`] of 30 half of the
+//!   coordinates move by less than a billionth of the width, a few far. So the search closes in without being told how far it is, and leaves the first
+//!   hollow (`docs/methods/optimise.md` has what even draws do instead, and what this costs where the coordinates hang together);
 //! - who leaves the bounds stays at them, and loses its velocity along them.
 //!
 //! The velocity has the sign of Yang and of S1: it leads **away** from the best place. What finds the minimum is the local search.
@@ -31,8 +32,8 @@ pub struct Bat {
     pub pulse_rate: f64,
     /// How fast it gets there, γ, for each generation.
     pub pulse_growth: f64,
-    /// Reach of the local search at a loudness of one, as a share of the bounds' width.
-    pub reach: f64,
+    /// Power of the local search's draws; 1: even ones.
+    pub tail: i32,
 }
 
 impl Default for Bat {
@@ -43,13 +44,11 @@ impl Default for Bat {
             fade: 0.9,
             pulse_rate: 0.2,
             pulse_growth: 0.1,
-            reach: 0.3,
+            tail: 30,
         }
     }
 }
 
-/// Power of the local search's draws.
-const TAIL: i32 = 9;
 /// Stream of its random numbers.
 const STREAM: u64 = 1;
 
@@ -91,8 +90,7 @@ impl Colony {
                 if flown < bound[0] || flown > bound[1] {
                     *v = 0.0;
                 }
-                let near = best
-                    + tailed(dice.signed()) * mean_loudness * self.settings.reach * (bound[1] - bound[0]);
+                let near = best + self.settings.draw(dice) * mean_loudness * (bound[1] - bound[0]);
                 next.push(clamp(if local { near } else { flown }, *bound));
             }
             tried.push(next);
@@ -116,8 +114,12 @@ impl Colony {
     }
 }
 
-fn tailed(u: f64) -> f64 {
-    u.powi(TAIL)
+impl Bat {
+    /// ε, of any order of size.
+    fn draw(&self, dice: &mut Dice) -> f64 {
+        let u = dice.signed();
+        u.abs().powi(self.tail).copysign(u)
+    }
 }
 
 impl Optimiser for Bat {

@@ -1,17 +1,18 @@
-//! The modern reference: CMA-ES (Hansen & Ostermeier 2001), active, of the crate `fcmaes-core`, with restarts of twice the population each time
-//! (IPOP, Auger & Hansen 2005) until the budget is spent.
+//! The modern reference: CMA-ES (Hansen & Ostermeier 2001; parameters of Hansen's tutorial of 2016), of the crate `genoxide`, restarted with twice the
+//! agents each time it has converged (IPOP, Auger & Hansen 2005) until the budget is spent.
 //!
-//! It begins with `4 + 3 ln n` agents at the middle of the bounds and steps of 0.3 of their half width; each restart begins at a place drawn evenly.
+//! It begins, and begins again, at a place drawn evenly within the bounds. The crate does its own arithmetic, the same bits on every platform.
 
-use super::swarm::{Dice, clamp};
 use super::{Optimiser, Trace};
-use fcmaes_core::Fitness;
-use fcmaes_core::cmaes::{Cmaes, CmaesParams};
+use genoxide::algorithm::cmaes::Restarts;
+use genoxide::algorithm::{Algorithm, Cmaes};
+use genoxide::genome::Real;
+use genoxide::{Fitness, Result};
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CovarianceMatrix {
-    /// First steps, as a share of half the width of the bounds.
+    /// First standard deviation, as a share of the width of the bounds.
     pub step: f64,
 }
 
@@ -21,47 +22,29 @@ impl Default for CovarianceMatrix {
     }
 }
 
-/// Stream of its random numbers.
-const STREAM: u64 = 4;
-/// A cost that no comparison stumbles over.
-const HIGHEST: f64 = 1e99;
+impl CovarianceMatrix {
+    fn follow(self, search: &mut dyn Trace) -> Result<()> {
+        let task = search.task();
+        let genes = Real::new(task.bounds.iter().map(|[low, high]| *low..=*high))?;
+        let mut strategy = Cmaes::builder(genes)
+            .minimize()
+            .seed(task.seed)
+            .population_size(task.agents)
+            .initial_step(self.step)
+            .restarts(Restarts::Ipop)
+            .build()?;
+        loop {
+            let points: Vec<Vec<f64>> = strategy.ask().iter().map(|point| point.to_vec()).collect();
+            let Some(costs) = search.evaluate(&points) else { return Ok(()) };
+            let costs: Vec<Fitness> = costs.into_iter().map(Fitness::new).collect();
+            strategy.tell(&costs)?;
+        }
+    }
+}
 
 impl Optimiser for CovarianceMatrix {
     fn minimise(&self, search: &mut dyn Trace) {
-        let task = search.task().clone();
-        let mut dice = Dice::new(task.seed, STREAM);
-        let (lower, upper): (Vec<f64>, Vec<f64>) =
-            task.bounds.iter().map(|[low, high]| (*low, *high)).unzip();
-        let dimensions = task.bounds.len();
-        #[expect(clippy::cast_possible_truncation, reason = "a few agents")]
-        let mut agents = (4.0 + 3.0 * (dimensions as f64).ln()).max(4.0) as i32;
-        let mut guess: Vec<f64> = task.bounds.iter().map(|[low, high]| 0.5 * (low + high)).collect();
-        for run in 0_u32.. {
-            let mut fitness = Fitness::bounded(dimensions, 1, &lower, &upper);
-            fitness.set_normalize(true);
-            let params = CmaesParams {
-                popsize: agents,
-                max_evaluations: search.left() as u64,
-                seed: task.seed,
-                runid: i64::from(run),
-                ..CmaesParams::default()
-            };
-            let mut run = Cmaes::new(fitness, &guess, &[self.step], &params);
-            loop {
-                let mut points = run.ask();
-                for point in &mut points {
-                    for (value, bound) in point.iter_mut().zip(&task.bounds) {
-                        *value = clamp(*value, *bound);
-                    }
-                }
-                let Some(costs) = search.evaluate(&points) else { return };
-                let costs: Vec<f64> = costs.into_iter().map(|cost| cost.min(HIGHEST)).collect();
-                if run.tell(&costs) != 0 {
-                    break;
-                }
-            }
-            agents = agents.saturating_mul(2).min(1 << 20);
-            guess = task.bounds.iter().map(|[low, high]| low + (high - low) * dice.unit()).collect();
-        }
+        // The crate refuses only settings and bounds that no search is begun with, and costs that were not asked for.
+        let _ = self.follow(search);
     }
 }

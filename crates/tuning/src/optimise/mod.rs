@@ -5,7 +5,7 @@
 //! | `bat` | bat algorithm (Yang 2010) | [`bat`] |
 //! | `sca` | sine cosine algorithm (Mirjalili 2016) | [`sine_cosine`] |
 //! | `scaba` | both in each generation, as in system S1 (Lu, Zhao & Xu) | [`sine_cosine_bat`] |
-//! | `cmaes` | covariance matrix adaptation with restarts, of the crate `fcmaes-core` | [`covariance_matrix`] |
+//! | `cmaes` | covariance matrix adaptation with restarts, of the crate `genoxide` | [`covariance_matrix`] |
 //!
 //! All are asked the same way: a [`Task`] says where to look, with what budget and seed; a [`Search`] evaluates whole generations in
 //! parallel (rayon), counts, remembers, and ends when the budget is spent. What it remembers, a [`Record`], is all there is to
@@ -39,7 +39,7 @@ use serde::{Deserialize, Serialize};
 pub struct Task {
     /// Least and largest value of each parameter.
     pub bounds: Vec<[f64; 2]>,
-    /// Agents of a generation, 4 at the least. CMA-ES begins with its own number, `4 + 3 ln n`.
+    /// Agents of a generation, 4 at the least; CMA-ES doubles them at each restart.
     pub agents: usize,
     /// Evaluations of the cost in all.
     pub evaluations: usize,
@@ -96,7 +96,7 @@ impl Method {
 
 /// A way to look for the least cost.
 ///
-/// It draws all its random numbers from [`Search::seed`] and does nothing that depends on anything but the costs it is told: a search is resumed by
+/// It draws all its random numbers from [`Task::seed`] and does nothing that depends on anything but the costs it is told: a search is resumed by
 /// running it again.
 pub trait Optimiser {
     /// Asks for generation after generation until [`Trace::evaluate`] says that it is over.

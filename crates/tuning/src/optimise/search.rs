@@ -1,6 +1,6 @@
 //! The one door to the cost: evaluates generations, counts, remembers, resumes.
 
-use super::{Method, Task};
+use super::{Method, Optimiser, Task};
 use crate::error::TuningError;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -8,6 +8,8 @@ use std::ops::ControlFlow;
 
 /// Fewest agents of a generation.
 const FEWEST_AGENTS: usize = 4;
+/// Most agents and parameters.
+const MOST: usize = 1 << 20;
 
 /// What an optimiser sees of a search.
 pub trait Trace {
@@ -61,13 +63,16 @@ pub struct Found {
     pub record: Record,
 }
 
+/// Told how far a search has come, it says whether to go on.
+type Watch<'a> = &'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>;
+
 /// A search with one method.
 pub struct Search<'a> {
     record: Record,
     /// How many of the record's costs have been told again to the method.
     told: usize,
     cost: &'a (dyn Fn(&[f64]) -> f64 + Sync),
-    watch: Option<&'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>>,
+    watch: Option<Watch<'a>>,
     best: (f64, Vec<f64>),
     improvements: Vec<(usize, f64)>,
     stopped: bool,
@@ -93,12 +98,15 @@ impl<'a> Search<'a> {
         if bounds.is_empty() {
             return refuse("bounds of a search", "none".to_owned(), "one parameter or more");
         }
+        if bounds.len() > MOST {
+            return refuse("bounds of a search", bounds.len().to_string(), "1048576 at the most");
+        }
         let wide = |[low, high]: &[f64; 2]| low < high && (high - low).is_finite();
         if let Some([low, high]) = bounds.iter().find(|bound| !wide(bound)) {
             return refuse("bounds of a search", format!("{low} to {high}"), "finite and rising");
         }
-        if *agents < FEWEST_AGENTS {
-            return refuse("agents of a search", agents.to_string(), "4 or more");
+        if !(FEWEST_AGENTS..=MOST).contains(agents) {
+            return refuse("agents of a search", agents.to_string(), "4 to 1048576");
         }
         if evaluations < agents {
             return refuse("evaluations of a search", evaluations.to_string(), "a whole generation or more");
@@ -130,8 +138,13 @@ impl<'a> Search<'a> {
     }
 
     /// Searches to the end.
-    pub fn run(mut self) -> Found {
+    pub fn run(self) -> Found {
         let optimiser = self.record.method.optimiser();
+        self.run_with(optimiser.as_ref())
+    }
+
+    /// The same with other settings than the usual ones of the method, or with a method of one's own. A record does not hold them: it is resumed with the same.
+    pub fn run_with(mut self, optimiser: &dyn Optimiser) -> Found {
         optimiser.minimise(&mut self);
         let Self { record, best: (cost, point), improvements, told, .. } = self;
         Found { cost, point, evaluations: told, improvements, record }

@@ -5,8 +5,8 @@
 //! φ1 = a − t a / T,   φ2 even in 0…2π,   φ3 in 0…2,   φ4 in 0…1, all drawn anew for each coordinate;   P the best place so far
 //! ```
 //!
-//! An agent moves only where it costs less (the papers are silent; OriginalSCA of mealpy does the same, and without it the sphere ends at 1e-7 instead of
-//! 1e-12). Who leaves the bounds stays at them.
+//! t counts generations from 0, T is as many as the budget has. An agent moves only where it costs less (the papers are silent; `OriginalSCA` of mealpy does the
+//! same). Who leaves the bounds stays at them.
 //!
 //! **`φ3 P` draws towards zero, not only towards P**: the algorithm is at its best where the answer is the origin of the coordinates. Give parameters so
 //! that zero is a good guess, as logarithms of factors are.
@@ -32,7 +32,7 @@ const STREAM: u64 = 2;
 
 impl SineCosine {
     /// Where each agent tries next; `share` of the generations is past.
-    pub(super) fn swing(&self, swarm: &Swarm, task: &Task, share: f64, dice: &mut Dice) -> Vec<Vec<f64>> {
+    pub(super) fn swing(self, swarm: &Swarm, task: &Task, share: f64, dice: &mut Dice) -> Vec<Vec<f64>> {
         let amplitude = self.amplitude * (1.0 - share).max(0.0);
         let swung = |((x, best), bound): ((&f64, &f64), &[f64; 2]), dice: &mut Dice| {
             let (sin, cos) = (std::f64::consts::TAU * dice.unit()).sin_cos();
@@ -54,8 +54,8 @@ impl Optimiser for SineCosine {
         let points = Swarm::places(&task, &mut dice);
         let Some(costs) = search.evaluate(&points) else { return };
         let mut swarm = Swarm::new(points, costs);
-        let generations = (task.evaluations / task.agents) as f64;
-        for generation in 1_u32.. {
+        let generations = (task.evaluations / task.agents).saturating_sub(1).max(1) as f64;
+        for generation in 0_u32.. {
             let tried = self.swing(&swarm, &task, f64::from(generation) / generations, &mut dice);
             let Some(costs) = search.evaluate(&tried) else { return };
             swarm.look(&tried, &costs);

@@ -31,7 +31,7 @@ impl Optimiser for SineCosineBat {
         let mut swarm = Swarm::new(points, costs);
         let mut colony = Colony::new(self.bat, &task);
         let generations = ((task.evaluations - task.agents) / (2 * task.agents)).max(1) as f64;
-        for generation in 1_u32.. {
+        for generation in 0_u32.. {
             let flown = colony.fly(&swarm, &task, &mut dice);
             let Some(costs) = search.evaluate(&flown) else { return };
             colony.settle(&mut swarm, flown, &costs, &mut dice);

@@ -96,7 +96,7 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
         ),
         ("portal = \"portal\"", "portal = \"exit\"", 20, "portal is \"exit\", expected"),
         ("workplaces = 1", "workplaces = 0", 21, "workplaces is 0, expected 1 to 1000"),
-        ("walk_m_s = 1.2", "walk_m_s = 12.0", 23, "walk_m_s is 12, expected 0.3 to 2.5 m/s"),
+        ("walk_m_s = 1.2", "walk_m_s = 12.0", 23, "walk_m_s is 12, expected 0.3 to 3.2 m/s"),
         ("\"belt-left\"", "\"pocket\"", 25, "unknown variant `pocket`, expected one of `belt-front`"),
         ("\"bmp280\"", "\"bmp\"", 26, "unknown barometer \"bmp\", expected ideal, bmp280, bmp388"),
         ("barometer_hz = 5.0", "barometer_hz = 0.0", 27, "rate_hz is 0, expected 0.001 to 1000 Hz"),

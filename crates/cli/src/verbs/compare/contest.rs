@@ -1,12 +1,12 @@
 //! One method on one run.
 
-use super::trials::Trial;
 use crate::config;
 use crate::method::{self, with_settings};
 use crate::scenario_file::Contender;
+use crate::verbs::trials::Trial;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
-use adit_estimation::methods::{Method, MethodError, MethodReport, MethodSettings, Nis};
+use adit_estimation::methods::{MethodError, MethodReport, MethodSettings, Nis};
 use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
 use adit_evaluation::evaluate::trajectory;
 use adit_observation::Observation;
@@ -64,34 +64,18 @@ fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Resu
     if samples == 0 {
         bail!("no inertial samples, expected some");
     }
-    let method = settings.start()?;
-    Ok(run(method, &trial.observations, samples))
-}
-
-/// The whole log through a method.
-fn run<R: MethodReport>(
-    mut method: Box<dyn Method<Report = R>>,
-    observations: &[Observation],
-    samples: usize,
-) -> Result<Driven, MethodError> {
+    let mut method = settings.start()?;
     let mut solutions = Vec::with_capacity(samples);
     let clock = Instant::now();
-    for observation in observations {
-        let mut solution = method.observe(observation)?;
-        while let Some(now) = solution {
-            solutions.push(now);
-            solution = method.next_due()?;
-        }
-    }
-    while let Some(last) = method.finish_next()? {
-        solutions.push(last);
+    if let Err(error) = trial.run(method.as_mut(), |solution| solutions.push(solution)) {
+        return Ok(Err(error));
     }
     let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;
     let report = method.report();
-    Ok(Driven {
+    Ok(Ok(Driven {
         solutions,
         nis: report.nis(),
         warnings: method::warnings(report.warnings()),
         time_per_step_ns: elapsed_ns / samples as f64,
-    })
+    }))
 }

@@ -1,13 +1,13 @@
 //! `adit compare`: methods against each other on a scenario over many seeds, or on a folder of recorded runs.
 
 mod contest;
-mod trials;
 
 use crate::args::CompareArgs;
 use crate::interrupt;
 use crate::output::{self, Target};
 use crate::progress::{self, Progress, Unit};
 use crate::scenario_file::{Contender, Contest};
+use crate::verbs::trials::{Trial, Trials};
 use adit_core::trajectory::Trajectory;
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::compare::{Comparison, RunOptions, RunOutcome, html, summarise};
@@ -16,7 +16,6 @@ use anyhow::{Result, bail};
 use contest::Entered;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use trials::{Trial, Trials};
 
 /// Runs everything and shows it.
 pub fn run(args: &CompareArgs) -> Result<()> {

@@ -3,7 +3,9 @@
 use super::{Ahrs, AhrsParams, NAME, smooth};
 use crate::attitude::AttitudeFilter;
 use crate::attitude::state::AttitudeState;
-use crate::methods::{Estimates, Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning};
+use crate::methods::{
+    Estimates, Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, NoiseParameter,
+};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -68,12 +70,41 @@ impl Method for Ahrs {
     }
 }
 
+/// What tuning may search.
+const NOISE: [NoiseParameter; 20] = [
+    // Somebody who leans, and somebody who runs.
+    NoiseParameter::new("velocity_m_s", 5e-2, 3.0),
+    NoiseParameter::new("velocity_time_s", 0.1, 5.0),
+    // Open country, and a hall of machines.
+    NoiseParameter::new("field_anomaly_ut", 0.1, 20.0),
+    NoiseParameter::new("field_anomaly_time_s", 0.3, 60.0),
+    // From a tactical sensor to the cheapest.
+    NoiseParameter::new("noise.angle_random_walk_rad_sqrt_s", 1e-5, 1e-2),
+    NoiseParameter::new("noise.rate_share", 1e-4, 0.1),
+    NoiseParameter::new("noise.rate_share_time_s", 1e-2, 1.0),
+    NoiseParameter::new("noise.gyro_bias_walk_rad_s_sqrt_s", 1e-7, 1e-2),
+    NoiseParameter::new("noise.velocity_random_walk_m_s_sqrt_s", 1e-4, 0.1),
+    NoiseParameter::new("noise.acc_bias_walk_m_s2_sqrt_s", 1e-6, 1e-2),
+    NoiseParameter::new("noise.field_ut", 5e-2, 10.0),
+    NoiseParameter::new("noise.offset_walk_ut_sqrt_s", 1e-4, 1.0),
+    NoiseParameter::new("noise.field_walk_ut_sqrt_s", 1e-4, 5.0),
+    NoiseParameter::new("initial.gyro_bias_rad_s", 1e-4, 0.2),
+    NoiseParameter::new("initial.gyro_scale", 1e-4, 5e-2),
+    NoiseParameter::new("initial.acc_bias_m_s2", 1e-3, 0.5),
+    NoiseParameter::new("initial.offset_ut", 5e-2, 30.0),
+    NoiseParameter::new("initial.delay_s", 1e-4, 0.1),
+    // A tag on a table, and one on a machine that runs.
+    NoiseParameter::new("rest.rate_sigma_rad_s", 1e-5, 2e-2),
+    NoiseParameter::new("rest.velocity_sigma_m_s", 1e-4, 0.1),
+];
+
 impl MethodSettings for AhrsParams {
     type Report = AhrsReport;
 
     const NAME: &'static str = NAME;
     const ESTIMATES: Estimates = Estimates::Attitude;
     const WHOLE_LOG: bool = true;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         if let Some(noise) = &known.specification {

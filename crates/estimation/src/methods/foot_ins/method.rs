@@ -1,7 +1,9 @@
 //! `foot-ins` as one of the methods.
 
-use super::{FixedLag, FootIns, FootInsParams, FootInsReport, NAME, smooth};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis};
+use super::{FixedLag, FootIns, FootInsParams, FootInsReport, NAME, params, smooth};
+use crate::methods::{
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, foot_input,
+};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -54,6 +56,7 @@ impl MethodSettings for FootInsParams {
     const NAME: &'static str = NAME;
     const FIXED_LAG: bool = true;
     const WHOLE_LOG: bool = true;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&foot_input::NOISE, &params::NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         if let Some(noise) = &known.specification {

@@ -1,6 +1,7 @@
 //! Settings of `foot-ins`: one default for everybody, every value documented with its unit.
 
 use crate::inertial::filter::SensorNoise;
+use crate::methods::NoiseParameter;
 use crate::methods::foot_input::Site;
 use crate::pedestrian::stance::StanceParams;
 use crate::pedestrian::stance_updates::ZeroVelocityParams;
@@ -96,6 +97,14 @@ pub enum HeadingAid {
     /// before are taken to be straight. Right in roadways, wrong on wide curves.
     StraightLegs,
 }
+
+/// What tuning may search beside [`foot_input::NOISE`](crate::methods::foot_input::NOISE).
+pub(super) const NOISE: [NoiseParameter; 3] = [
+    // Turn-on bias from a tactical sensor's to a cheap one's in the cold; the sensor on a toe or above the ankle.
+    NoiseParameter::new("initial.gyro_bias_rad_s", 1e-6, 0.1),
+    NoiseParameter::new("initial.acc_bias_m_s2", 1e-3, 1.0),
+    NoiseParameter::new("initial.contact_m", 1e-2, 0.5),
+];
 
 impl FootInsParams {
     /// These settings with the noise at rest of a particular sensor.

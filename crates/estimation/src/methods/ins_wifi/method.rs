@@ -1,7 +1,9 @@
 //! Both as methods.
 
-use super::{Full, InsWifi, InsWifiParams, Mechanisation, Reduced, full, reduced};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis};
+use super::{Full, InsWifi, InsWifiParams, Mechanisation, Reduced, full, params, reduced};
+use crate::methods::{
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter,
+};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -111,6 +113,7 @@ impl MethodSettings for ReducedInsWifiParams {
     type Report = InsWifiReport;
 
     const NAME: &'static str = Reduced::NAME;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE];
 
     fn knowing(self, known: &Known) -> Self {
         Self(self.0.knowing(known))
@@ -125,6 +128,7 @@ impl MethodSettings for FullInsWifiParams {
     type Report = InsWifiReport;
 
     const NAME: &'static str = Full::NAME;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE, &params::FULL_NOISE];
 
     fn knowing(self, known: &Known) -> Self {
         Self(self.0.knowing(known))

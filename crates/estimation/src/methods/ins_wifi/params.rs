@@ -1,5 +1,6 @@
 //! Settings of both methods.
 
+use crate::methods::NoiseParameter;
 use crate::settings::{first_unusable, not_negative, positive};
 use adit_observation::{ImuSpecification, Site, StartPose};
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,22 @@ impl Default for InsWifiParams {
         }
     }
 }
+
+/// What tuning may search of both methods.
+pub(super) const NOISE: [NoiseParameter; 5] = [
+    // From 0.0003 deg/sqrt(h) and 0.1 µg/sqrt(Hz), which no tag has, to the cheapest sensors.
+    NoiseParameter::new("noise.angle_random_walk_rad_sqrt_s", 1e-7, 5e-2),
+    NoiseParameter::new("noise.velocity_random_walk_m_s_sqrt_s", 1e-6, 1e-1),
+    // From 0.002 deg/h and 1 µg to a cheap sensor's in the cold.
+    NoiseParameter::new("gyro_bias_sigma_rad_s", 1e-8, 0.1),
+    NoiseParameter::new("acc_bias_sigma_m_s2", 1e-5, 1.0),
+    // At rest, and told from a walker's stride.
+    NoiseParameter::new("velocity_sigma_m_s", 1e-4, 1.0),
+];
+
+/// What tuning may search of the full method beside that.
+pub(super) const FULL_NOISE: [NoiseParameter; 2] =
+    [NoiseParameter::new("gyro_scale_sigma", 1e-6, 3e-2), NoiseParameter::new("level_sigma_m", 1e-3, 3.0)];
 
 impl InsWifiParams {
     /// The first setting that cannot be worked with, by name.

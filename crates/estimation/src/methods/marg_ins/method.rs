@@ -1,7 +1,9 @@
 //! `marg-ins` as one of the methods.
 
-use super::{MargIns, MargInsParams, MargInsReport, NAME};
-use crate::methods::{Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning};
+use super::{MargIns, MargInsParams, MargInsReport, NAME, params};
+use crate::methods::{
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, NoiseParameter, foot_input,
+};
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -40,6 +42,7 @@ impl MethodSettings for MargInsParams {
     type Report = MargInsReport;
 
     const NAME: &'static str = NAME;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&foot_input::NOISE, &params::NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         if let Some(noise) = &known.specification {

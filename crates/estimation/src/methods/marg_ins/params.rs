@@ -3,9 +3,9 @@
 use super::NAME;
 use crate::inertial::filter::SensorNoise;
 use crate::magnetic::gate::{MagneticGateParams, ReferenceField};
-use crate::methods::MethodError;
 use crate::methods::foot_input::Site;
 use crate::methods::foot_ins::{RestGravityParams, ZeroRateParams};
+use crate::methods::{MethodError, NoiseParameter};
 use crate::pedestrian::stance::StanceParams;
 use crate::pedestrian::stance_updates::ZeroVelocityParams;
 use crate::settings::{first_unusable, not_negative, positive};
@@ -99,6 +99,18 @@ pub struct HeadingParams {
     /// Limits around it.
     pub disturbance: MagneticGateParams,
 }
+
+/// What tuning may search beside [`foot_input::NOISE`](crate::methods::foot_input::NOISE).
+pub(super) const NOISE: [NoiseParameter; 6] = [
+    // Turn-on bias from a tactical sensor's to a cheap one's in the cold; the sensor on a toe or above the ankle.
+    NoiseParameter::new("initial.drift_rad_s", 1e-6, 0.1),
+    NoiseParameter::new("initial.acc_bias_m_s2", 1e-3, 1.0),
+    NoiseParameter::new("initial.contact_m", 1e-2, 0.5),
+    // A field across the meridian of open country, and one between steel sets.
+    NoiseParameter::new("heading.field_sigma_ut", 5e-2, 20.0),
+    NoiseParameter::new("heading.hard_iron_ut", 1e-2, 10.0),
+    NoiseParameter::new("heading.tilt_sigma_rad", 1e-4, 0.2),
+];
 
 impl MargInsParams {
     /// What the alignment needs to know.

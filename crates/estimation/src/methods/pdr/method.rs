@@ -1,9 +1,9 @@
 //! `pdr` as one of the methods, and what it says of a run.
 
 use super::walker::{FACTOR, OFFSET, Walker};
-use super::{Direction, NAME, Pdr, PdrParams};
+use super::{Direction, NAME, Pdr, PdrParams, params};
 use crate::methods::{
-    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, RadioUse,
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, RadioUse,
 };
 use crate::pedestrian::steps::Step;
 use crate::radio::{HeardReport, RadioSite};
@@ -126,6 +126,7 @@ impl MethodSettings for PdrParams {
 
     const NAME: &'static str = NAME;
     const RADIO: RadioUse = RadioUse::Optional;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         self.attitude = self.attitude.knowing(known);

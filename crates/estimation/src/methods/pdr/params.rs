@@ -1,6 +1,7 @@
 //! Settings of `pdr`: one default for every walker and every place of the tag.
 
 use crate::attitude::AttitudeParams;
+use crate::methods::NoiseParameter;
 use crate::pedestrian::step_length::StepLength;
 use crate::pedestrian::steps::StepParams;
 use crate::radio::RadioSite;
@@ -165,6 +166,28 @@ impl Default for FixParams {
         Self { used: true, nis_bound: 16.0, hold_s: 30.0 }
     }
 }
+
+/// What tuning may search.
+pub(super) const NOISE: [NoiseParameter; 15] = [
+    // Of a drill on level ground, and of somebody who stumbles.
+    NoiseParameter::new("noise.step_share", 1e-2, 0.5),
+    NoiseParameter::new("noise.unseen_share", 5e-2, 1.0),
+    NoiseParameter::new("noise.factor_sigma", 1e-2, 0.5),
+    NoiseParameter::new("noise.factor_walk_sqrt_m", 1e-5, 0.1),
+    NoiseParameter::new("noise.step_direction_rad", 5e-3, 1.0),
+    // On a belt, and loose in a pocket.
+    NoiseParameter::new("noise.mounting_rad", 1e-2, 1.5),
+    NoiseParameter::new("noise.direction_walk_rad_sqrt_m", 1e-5, 0.3),
+    NoiseParameter::new("noise.magnetic_time_s", 1.0, 600.0),
+    NoiseParameter::new("noise.standing_m_sqrt_s", 1e-3, 0.5),
+    NoiseParameter::new("noise.principal_axis_rad", 5e-2, 1.5),
+    // What of the attitude decides about the heading.
+    NoiseParameter::new("attitude.velocity_m_s", 5e-2, 3.0),
+    NoiseParameter::new("attitude.field_anomaly_ut", 0.1, 20.0),
+    NoiseParameter::new("attitude.field_anomaly_time_s", 0.3, 60.0),
+    NoiseParameter::new("attitude.noise.gyro_bias_walk_rad_s_sqrt_s", 1e-7, 1e-2),
+    NoiseParameter::new("attitude.initial.gyro_bias_rad_s", 1e-4, 0.2),
+];
 
 impl PdrParams {
     /// The first setting that cannot be worked with, by name.

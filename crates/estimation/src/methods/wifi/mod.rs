@@ -145,10 +145,7 @@ impl Method for Wifi {
         self.account();
         let heard = &self.report.heard;
         if self.told.is_none() {
-            let (signals, unknown) = (heard.signals, heard.unknown_signals);
-            let names =
-                if unknown > 0 { alloc::format!(" ({})", heard.unknown()) } else { Default::default() };
-            return Err(MethodError::NoPosition { signals, unknown, names });
+            return Err(heard.no_position());
         }
         if self.report.warnings.is_empty() {
             self.report.warnings.extend(heard.warning());

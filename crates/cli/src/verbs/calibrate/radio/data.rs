@@ -2,6 +2,7 @@
 
 use crate::interrupt;
 use crate::progress;
+use crate::truth_beside;
 use adit_core::nalgebra::{Vector2, Vector3};
 use adit_core::time::Time;
 use adit_estimation::radio::Reading;
@@ -120,8 +121,12 @@ impl RadioData {
 
     fn walk(&mut self, path: &Path) -> Result<RadioFile> {
         let mut log = adit_observation::open(path)?;
-        let truth_path = truth_of(path).with_context(|| {
-            format!("{}: no truth beside it: expected {}", path.display(), truth_names(path).join(" or "))
+        let truth_path = truth_beside::of(path).with_context(|| {
+            format!(
+                "{}: no truth beside it: expected {}",
+                path.display(),
+                truth_beside::names(path).join(" or ")
+            )
         })?;
         let truth = truth::read(&truth_path)?;
         progress::warn(&truth.warnings);
@@ -172,7 +177,7 @@ impl RadioData {
 
     /// Short name for reports.
     pub fn name(&self) -> String {
-        self.files.iter().map(|file| stem(&file.path)).collect::<Vec<_>>().join(", ")
+        self.files.iter().map(|file| truth_beside::stem(&file.path)).collect::<Vec<_>>().join(", ")
     }
 
     /// This data without a share of its spots, and these.
@@ -301,8 +306,8 @@ fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let mut logs = Vec::new();
         for entry in entries {
             let file = entry.with_context(|| format!("{}: cannot read it", path.display()))?.path();
-            let name = stem(&file);
-            if name.ends_with("_rssi") && truth_of(&file).is_some() {
+            let name = truth_beside::stem(&file);
+            if name.ends_with("_rssi") && truth_beside::of(&file).is_some() {
                 logs.push(file);
             }
         }
@@ -313,21 +318,4 @@ fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
         files.append(&mut logs);
     }
     Ok(files)
-}
-
-fn stem(path: &Path) -> String {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    [".csv", ".mcap"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name).to_owned()
-}
-
-fn truth_names(path: &Path) -> Vec<String> {
-    let stem = stem(path);
-    let without = stem.rsplit_once('_').map(|(name, _)| format!("{name}_truth"));
-    let names = without.into_iter().chain([format!("{stem}_truth")]);
-    names.flat_map(|name| [".csv", ".csv.gz", ".tum"].map(|end| format!("{name}{end}"))).collect()
-}
-
-fn truth_of(path: &Path) -> Option<PathBuf> {
-    truth_names(path).into_iter().map(|name| path.with_file_name(name)).find(|file| file.is_file())
 }

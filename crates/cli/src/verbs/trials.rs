@@ -1,8 +1,11 @@
-//! What methods are compared on: a log with its truth, simulated or recorded.
+//! What methods are compared and tuned on: logs with their truth, simulated or recorded.
 
 use crate::log_stream::LogStream;
 use crate::scenario_file::{Contest, Scenario};
+use crate::truth_beside;
+use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
+use adit_estimation::methods::{Method, MethodError, MethodReport};
 use adit_estimation::radio::RadioSite;
 use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
@@ -13,11 +16,6 @@ use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Names of a simulated pair.
-const SIMULATED: (&str, &str) = ("log.mcap", "truth.tum");
-const LOG_ENDINGS: [&str; 2] = ["_imu.csv.gz", "_imu.csv"];
-const TRUTH_ENDINGS: [&str; 2] = ["_truth.csv.gz", "_truth.csv"];
 
 /// All runs; each is made or read when it is its turn.
 pub enum Trials {
@@ -43,6 +41,8 @@ pub struct Trial {
     pub has_position: bool,
     /// The truth has attitudes.
     pub has_attitude: bool,
+    /// For each true state whether attitudes are judged there, where the truth says so.
+    pub marked: Option<Vec<bool>>,
 }
 
 impl Trials {
@@ -53,14 +53,24 @@ impl Trials {
             let first = scenario.seed;
             return Ok(Self::Simulated(Box::new(scenario), first, seeds as usize));
         }
-        let pairs = pairs(source)?;
-        if pairs.is_empty() {
-            bail!(
-                "{}: no runs in this folder, expected NAME_imu.csv with NAME_truth.csv, or log.mcap with truth.tum",
-                source.display()
-            );
+        Ok(Self::Recorded(pairs(source)?))
+    }
+
+    /// Those of logs that have a truth beside them, and of folders of such logs.
+    pub fn recorded(paths: &[PathBuf]) -> Result<Self> {
+        let mut all: Vec<(PathBuf, PathBuf)> = Vec::new();
+        for path in paths {
+            if path.is_dir() {
+                all.extend(pairs(path)?);
+                continue;
+            }
+            let truth = truth_beside::of(path).with_context(|| {
+                let names = truth_beside::names(path).join(" or ");
+                format!("{}: no truth beside it: expected {names}", path.display())
+            })?;
+            all.push((path.clone(), truth));
         }
-        Ok(Self::Recorded(pairs))
+        Ok(Self::Recorded(all))
     }
 
     /// How many there are.
@@ -97,6 +107,25 @@ impl Trials {
 }
 
 impl Trial {
+    /// The whole log through a method, which is left as it is at the end; each solution goes to `take`.
+    pub fn run<R: MethodReport>(
+        &self,
+        method: &mut dyn Method<Report = R>,
+        mut take: impl FnMut(Solution),
+    ) -> Result<(), MethodError> {
+        for observation in &self.observations {
+            let mut solution = method.observe(observation)?;
+            while let Some(now) = solution {
+                take(now);
+                solution = method.next_due()?;
+            }
+        }
+        while let Some(last) = method.finish_next()? {
+            take(last);
+        }
+        Ok(())
+    }
+
     /// The truth as a path.
     pub fn path(&self) -> Result<Trajectory> {
         Ok(Trajectory::new(self.truth.iter().map(|state| state.pose).collect())?)
@@ -122,6 +151,7 @@ fn simulated(scenario: &Scenario, seed: u64) -> Result<Trial> {
         radio: scenario.radio_site()?,
         has_position: true,
         has_attitude: true,
+        marked: None,
     })
 }
 
@@ -141,24 +171,25 @@ fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
         radio: None,
         has_position: known.has_position,
         has_attitude: known.has_attitude && carries_attitude(&known.trajectory),
+        marked: known.moving,
     })
 }
 
-/// Logs of a folder that have a truth, by name.
+/// Logs of a folder that have a truth, by name; there is one at least.
 fn pairs(folder: &Path) -> Result<Vec<(PathBuf, PathBuf)>> {
     let context = || format!("{}: cannot read this folder", folder.display());
     let mut pairs = Vec::new();
     for entry in fs::read_dir(folder).with_context(context)? {
         let log = entry.with_context(context)?.path();
-        let Some(name) = log.file_name().and_then(|name| name.to_str()) else { continue };
-        let beside = |name: &str| Some(log.with_file_name(name)).filter(|path| path.is_file());
-        let truth = if name == SIMULATED.0 {
-            beside(SIMULATED.1)
-        } else {
-            let stem = LOG_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending));
-            stem.and_then(|stem| TRUTH_ENDINGS.iter().find_map(|ending| beside(&format!("{stem}{ending}"))))
-        };
-        pairs.extend(truth.map(|truth| (log.clone(), truth)));
+        if truth_beside::is_simulated(&log) || truth_beside::stem(&log).ends_with("_imu") {
+            pairs.extend(truth_beside::of(&log).map(|truth| (log, truth)));
+        }
+    }
+    if pairs.is_empty() {
+        bail!(
+            "{}: no runs in this folder, expected NAME_imu.csv with NAME_truth.csv, or log.mcap with truth.tum",
+            folder.display()
+        );
     }
     pairs.sort();
     Ok(pairs)

@@ -1,0 +1,122 @@
+//! `adit tune`: the noise parameters of a method at which it is least far off, on logs with truth.
+
+mod objective;
+mod parameters;
+mod report;
+mod runs;
+mod search;
+mod settings_file;
+
+use crate::args::TuneArgs;
+use crate::config;
+use crate::interrupt;
+use crate::output::{self, Target};
+use crate::progress;
+use anyhow::Result;
+use parameters::Parameters;
+use report::{BeforeAfter, Report};
+use runs::{Rules, Runs, mean_cost};
+use search::RecordedSearch;
+use std::path::PathBuf;
+
+/// Searches, judges, writes, says what was found.
+pub fn run(args: &TuneArgs) -> Result<()> {
+    let text = args.config.as_deref().map(config::text).transpose()?.unwrap_or_default();
+    let config = args.config.as_deref().map(|path| config::parse(path, &text)).transpose()?;
+    let config: toml::Table = config.unwrap_or_default();
+    let (runs, before) = read(args, &args.train, &config)?;
+    let validation = match args.validate.as_slice() {
+        [] => None,
+        paths => Some(read(args, paths, &config)?),
+    };
+    let (parameters, warnings) = Parameters::choose(args.method, &args.parameters, &runs.settings())?;
+    progress::warn(&warnings);
+
+    let rules = Rules::of(args);
+    let search = RecordedSearch::begin(args, &rules, &parameters, &runs, &before)?;
+    let objective = objective::of(&runs, &parameters);
+    let unit = format!("{}²", rules.what.unit());
+    let searched = search.run(&parameters, objective.as_ref(), &unit)?;
+
+    let values = parameters.rounded(&searched.found.point);
+    let after = answered(runs.judge(&parameters, &values));
+    interrupt::check()?;
+    let better = mean_cost(&after) < mean_cost(&before);
+    let values = better.then(|| settled(&runs, &parameters, values, mean_cost(&after)));
+    let both = |runs: &Runs, before: Vec<Option<f64>>| {
+        let after = match &values {
+            Some(values) => answered(runs.judge(&parameters, values)),
+            None => before.clone(),
+        };
+        BeforeAfter { logs: runs.logs(), before, after }
+    };
+    let train = both(&runs, before);
+    let validate = validation.map(|(runs, before)| both(&runs, before));
+    interrupt::check()?;
+
+    let report =
+        Report::new(args, &rules, &parameters, values.as_deref(), searched, (&train, validate.as_ref()));
+    if !report.improved {
+        progress::warn(&["nothing better than the settings as they are was found: these were written"]);
+    }
+    args.out.write(&settings_file::text(args, &text, &parameters, &report)?)?;
+    if let Some(path) = &args.plot {
+        output::write_file(path, &report.figure()?)?;
+    }
+    if let Some(target) = &args.json {
+        target.write(&(serde_json::to_string_pretty(&report)? + "\n"))?;
+    }
+    search::forget(&args.out)?;
+    say(args, &report)
+}
+
+/// Values with those taken back that are worth nothing: an error that does not depend on a parameter must not move it.
+fn settled(runs: &Runs, parameters: &Parameters, mut values: Vec<f64>, mut cost: f64) -> Vec<f64> {
+    for (index, default) in parameters.defaults().into_iter().enumerate() {
+        let found = std::mem::replace(&mut values[index], default);
+        let without = mean_cost(&answered(runs.judge(parameters, &values)));
+        if without <= cost {
+            cost = without;
+        } else {
+            values[index] = found;
+        }
+    }
+    values
+}
+
+/// Runs in memory, and their mean squared errors with the settings as they are.
+fn read(args: &TuneArgs, paths: &[PathBuf], config: &toml::Table) -> Result<(Runs, Vec<Option<f64>>)> {
+    let mut runs = Runs::read(args, paths, config)?;
+    let mut errors = runs.judge_as_they_are();
+    interrupt::check()?;
+    if errors.iter().all(Result::is_err)
+        && let Some(Err(first)) = errors.drain(..).next()
+    {
+        return Err(first);
+    }
+    for error in errors.iter().filter_map(|error| error.as_ref().err()) {
+        progress::warn(&[format!("{error:#}")]);
+    }
+    Ok((runs, answered(errors)))
+}
+
+/// The errors of those runs that have any.
+fn answered(errors: Vec<Result<f64>>) -> Vec<Option<f64>> {
+    errors.into_iter().map(Result::ok).collect()
+}
+
+/// The report, to stderr where stdout is taken.
+fn say(args: &TuneArgs, report: &Report) -> Result<()> {
+    let mut table = report.to_string();
+    if let Target::File(path) = &args.out {
+        table += &format!("\nsettings    {}\n", path.display());
+    }
+    if let Some(path) = &args.plot {
+        table += &format!("figure      {}\n", path.display());
+    }
+    if args.out == Target::Stdout || args.json == Some(Target::Stdout) {
+        output::tell(&table);
+        return Ok(());
+    }
+    output::print(&table)
+}
