@@ -228,7 +228,11 @@ impl Locator {
             let model = map.unwrap_or_else(|| Model::Emitters {
                 emitters,
                 area: site.area,
-                centre_lines: if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() },
+                centre_lines: if params.to_roadway {
+                    site.centre_lines.clone()
+                } else {
+                    CentreLines::default()
+                },
             });
             models.push(Named::of_transmitters(&site.transmitters, model));
         }

@@ -51,7 +51,7 @@ const MOST_HELD: usize = 64;
 /// A field is looked at no more often: what it is off by lasts for seconds.
 const FIELD: Interval = Interval::from_nanos(39_000_000);
 /// Outliers in a row after which it is the path that is wrong.
-const MOST_OUTLIERS: u32 = 4;
+const MOST_OUTLIERS: f64 = 4.0;
 /// Solutions of somebody who stands.
 const STANDING: Interval = Interval::from_nanos(1_000_000_000);
 
@@ -87,8 +87,8 @@ pub struct Pdr {
     /// Time of the last solution, and of the last fix used.
     told: Option<Time>,
     fixed: Option<Time>,
-    /// Outliers among the fixes, one after the other.
-    outliers: u32,
+    /// Outliers among the fixes, one after the other; by radio each for what is new in it.
+    outliers: f64,
     /// The way of the last seconds.
     trail: Trail,
     /// Fixes that wait for the state, in order of time.
@@ -127,7 +127,7 @@ impl Pdr {
             velocity_m_s: Vector2::zeros(),
             told: None,
             fixed: None,
-            outliers: 0,
+            outliers: 0.0,
             trail: Trail::default(),
             held: VecDeque::with_capacity(MOST_HELD),
             radio: RadioFixes::new(&params)?,
@@ -435,7 +435,7 @@ impl Pdr {
         let way_m = if late { self.trail.at(fix.time) } else { None }.unwrap_or(self.walker.way_m);
         let place_m = self.walker.position_m - self.walker.since(&way_m);
         let weighed = self.radio.as_mut().filter(|_| *by_radio).map(|radio| radio.weigh(fix, &way_m));
-        let fix = weighed.as_ref().unwrap_or(fix);
+        let (fix, share) = weighed.as_ref().map_or((fix, 1.0), |(fix, share)| (fix, *share));
         self.fixed = Some(fix.time);
         if let Some(search) = &mut self.search {
             search.observe(fix, &place_m);
@@ -457,10 +457,11 @@ impl Pdr {
         let bound = self.params.fixes.nis_bound;
         let Some(update) = self.walker.correct(fix, &way_m, bound) else { return };
         self.report.note_fix(update.nis, bound);
-        self.outliers = if update.nis > bound { self.outliers + 1 } else { 0 };
-        if self.outliers == MOST_OUTLIERS {
+        // The same error said four times is one outlier.
+        self.outliers = if update.nis > bound { self.outliers + share } else { 0.0 };
+        if self.outliers >= MOST_OUTLIERS {
             // Not the fixes are wrong, but what the walk was taken for.
-            self.outliers = 0;
+            self.outliers = 0.0;
             self.search = Some(Search::anew());
             self.report.warn(MethodWarning::PathReopened { time: fix.time });
         }
