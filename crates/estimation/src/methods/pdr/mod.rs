@@ -239,6 +239,7 @@ impl Pdr {
         match self.latest.replace(time) {
             None => {
                 self.time = Some(time);
+                self.trail.push(time, self.walker.way_m);
                 self.tell(time)?;
             }
             Some(before) => {
@@ -495,6 +496,7 @@ impl Pdr {
         self.walker.spread(&(Matrix2::identity() * (distance_m * distance_m)));
         self.velocity_m_s = Vector2::zeros();
         self.trail.clear();
+        self.trail.push(time, self.walker.way_m);
         self.time = Some(time);
         self.told = Some(time);
         Ok(())

@@ -88,3 +88,83 @@ impl RadioFixes {
 
 /// A fix that repeats the one before is still one: its covariance stays finite.
 const LEAST_SHARE: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+    use crate::methods::pdr::PdrParams;
+    use crate::radio::RadioSite;
+    use adit_core::frames::Position;
+    use adit_core::nalgebra::Matrix2;
+    use adit_mine::plan::{Anchor, Grid, MinePlan};
+    use alloc::sync::Arc;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Walks in 2 m and 3 s between fixes; `sigmas` as given.
+    fn information(sigmas: &[f64]) -> (f64, PdrRadio) {
+        let mut plan = MinePlan::new("one", Grid::Local {});
+        plan.anchors.push(Anchor {
+            id: "a".into(),
+            position_m: Position::new(0.0, 0.0, 0.0),
+            range_offset_m: None,
+            antenna_delay_ns: None,
+            tx_power_dbm: None,
+        });
+        let mut params =
+            PdrParams { site: Some(Arc::new(RadioSite::of_plan(&plan))), ..PdrParams::default() };
+        params.radio =
+            PdrRadio { correlation_m: 5.0, correlation_sigmas: 0.0, correlation_s: 20.0, ..params.radio };
+        let mut fixes = RadioFixes::new(&params).unwrap().unwrap();
+        let sum = sigmas.iter().zip(0_i64..).map(|(sigma, k)| {
+            let time = Time::from_nanos(k * 3_000_000_000);
+            let fix = PositionFix::level(time, Vector2::zeros(), *sigma, FixSource::Wifi);
+            let (fix, _) = fixes.weigh(&fix, &Vector2::new(2.0 * k as f64, 0.0));
+            1.0 / fix.covariance_m2[(0, 0)]
+        });
+        (sum.sum(), params.radio)
+    }
+
+    #[test]
+    fn fixes_add_what_a_markov_process_of_errors_leaves() {
+        let sigmas = [3.0; 12];
+        let (found, radio) = information(&sigmas);
+        let correlation = libm::exp(-2.0 / radio.correlation_m - 3.0 / radio.correlation_s);
+        let errors = DMatrix::from_fn(12, 12, |i, j| 9.0 * libm::pow(correlation, i.abs_diff(j) as f64));
+        let ones = DVector::from_element(12, 1.0);
+        let exact = ones.dot(&(errors.try_inverse().unwrap() * &ones));
+        assert!((found - exact).abs() < 1e-12, "{found} {exact}");
+    }
+
+    #[test]
+    fn of_two_unlike_fixes_neither_counts_more_than_whole() {
+        let whole = |sigmas: &[f64]| sigmas.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>();
+        for sigmas in [[3.0, 2.5], [3.0, 4.0], [1.0, 30.0], [30.0, 1.0]] {
+            let (found, radio) = information(&sigmas);
+            let correlation = libm::exp(-2.0 / radio.correlation_m - 3.0 / radio.correlation_s);
+            let [u, v] = sigmas.map(|sigma| sigma * sigma);
+            let cross = correlation * libm::sqrt(u * v);
+            let exact = Matrix2::new(u, cross, cross, v).try_inverse().unwrap().sum();
+            assert!(found <= whole(&sigmas) * (1.0 + 1e-12), "{sigmas:?}");
+            // Where neither bound is met it is exact.
+            let own = 1.0 - correlation * libm::sqrt(v / u);
+            let share = own * own / (1.0 - correlation * correlation);
+            if own > 0.1 && share < 1.0 {
+                assert!((found - exact).abs() < 1e-12, "{sigmas:?}: {found} {exact}");
+            }
+        }
+        // Ten times less sure than the one before: nothing new, to a thousandth of its own.
+        assert!((information(&[1.0, 30.0]).0 - 1.0) < 1e-5);
+    }
+
+    #[test]
+    fn radio_is_used_where_something_is_known_of_it() {
+        let mut params = PdrParams::default();
+        let site = RadioSite::default();
+        assert!(RadioFixes::new(&params).unwrap().is_none(), "nothing is known of a site");
+        params.site = Some(Arc::new(site));
+        assert!(RadioFixes::new(&params).is_err(), "a site without transmitters");
+        params.radio.used = false;
+        assert!(RadioFixes::new(&params).unwrap().is_none());
+    }
+}
