@@ -32,6 +32,8 @@ pub struct HeardReport {
     pub unknown_transmitters: Vec<DeviceId>,
     /// Signals that came after the report that they belong to: left.
     pub late_signals: u64,
+    /// Signals of more transmitters than a scan holds: left.
+    pub left_out_signals: u64,
     /// Scans, averaged.
     pub scans: u64,
     /// Of these, scans that gave a position.
@@ -68,6 +70,7 @@ impl Listener {
         }
         self.scanner.observe(signal);
         self.heard.late_signals = self.scanner.late();
+        self.heard.left_out_signals = self.scanner.left_out();
     }
 
     /// Time has come to `now`.

@@ -45,6 +45,8 @@ pub struct Leg {
     pub attitude: Attitude,
     /// Its covariance, ENU, rad².
     pub covariance_rad2: Matrix3<f64>,
+    /// North is that of a magnetometer, though the field may be disturbed now.
+    pub north: bool,
     /// A magnetometer holds the heading.
     pub magnetic: bool,
 }
@@ -175,6 +177,7 @@ impl AhrsRecorder for Course {
             force_m_s2: interval.force_m_s / interval.length_s.max(f64::MIN_POSITIVE),
             attitude: filter.state().attitude,
             covariance_rad2: *filter.covariance().block(ATTITUDE, ATTITUDE),
+            north: false,
             magnetic: false,
         });
     }
@@ -183,6 +186,7 @@ impl AhrsRecorder for Course {
         if let Some(leg) = self.legs.back_mut() {
             leg.attitude = filter.state().attitude;
             leg.covariance_rad2 = *filter.covariance().block(ATTITUDE, ATTITUDE);
+            leg.north = filter.is_magnetic();
             leg.magnetic = filter.is_magnetic() && !filter.is_disturbed();
         }
     }

@@ -51,7 +51,7 @@ const MOST_HELD: usize = 64;
 /// A field is looked at no more often: what it is off by lasts for seconds.
 const FIELD: Interval = Interval::from_nanos(39_000_000);
 /// Outliers in a row after which it is the path that is wrong.
-const MOST_OUTLIERS: u32 = 4;
+const MOST_OUTLIERS: f64 = 4.0;
 /// Solutions of somebody who stands.
 const STANDING: Interval = Interval::from_nanos(1_000_000_000);
 
@@ -87,8 +87,8 @@ pub struct Pdr {
     /// Time of the last solution, and of the last fix used.
     told: Option<Time>,
     fixed: Option<Time>,
-    /// Outliers among the fixes, one after the other.
-    outliers: u32,
+    /// Outliers among the fixes, one after the other; by radio each for what is new in it.
+    outliers: f64,
     /// The way of the last seconds.
     trail: Trail,
     /// Fixes that wait for the state, in order of time.
@@ -127,7 +127,7 @@ impl Pdr {
             velocity_m_s: Vector2::zeros(),
             told: None,
             fixed: None,
-            outliers: 0,
+            outliers: 0.0,
             trail: Trail::default(),
             held: VecDeque::with_capacity(MOST_HELD),
             radio: RadioFixes::new(&params)?,
@@ -239,6 +239,7 @@ impl Pdr {
         match self.latest.replace(time) {
             None => {
                 self.time = Some(time);
+                self.trail.push(time, self.walker.way_m);
                 self.tell(time)?;
             }
             Some(before) => {
@@ -348,11 +349,12 @@ impl Pdr {
             return 0.0;
         };
         if let Some(leg) = self.course.at(step.time) {
-            let (variance, magnetic) = (leg.covariance_rad2[(2, 2)], leg.magnetic);
+            let (variance, magnetic, north) = (leg.covariance_rad2[(2, 2)], leg.magnetic, leg.north);
             self.walker.follow(noise, variance, magnetic, step.period_s);
             if !self.directed {
                 self.directed = true;
-                self.begin(heading.heading_rad, magnetic);
+                self.begin(heading.heading_rad, north);
+                self.look();
             }
         }
         if heading.turned_over {
@@ -434,21 +436,16 @@ impl Pdr {
         let way_m = if late { self.trail.at(fix.time) } else { None }.unwrap_or(self.walker.way_m);
         let place_m = self.walker.position_m - self.walker.since(&way_m);
         let weighed = self.radio.as_mut().filter(|_| *by_radio).map(|radio| radio.weigh(fix, &way_m));
-        let fix = weighed.as_ref().unwrap_or(fix);
+        let (fix, share) = weighed.as_ref().map_or((fix, 1.0), |(fix, share)| (fix, *share));
         self.fixed = Some(fix.time);
         if let Some(search) = &mut self.search {
             search.observe(fix, &place_m);
             self.report.searched_fixes += 1;
-            if search.is_over() {
-                self.walker = search.place(&self.walker);
-                self.search = None;
-                self.placed = true;
-            }
+            self.look();
             return;
         }
         if !self.placed {
-            let own_north = !self.report.magnetic_heading;
-            if own_north || self.walker.direction_variance() > FOUND_RAD * FOUND_RAD {
+            if self.direction_variance() > FOUND_RAD * FOUND_RAD {
                 let search = self.search.get_or_insert_default();
                 search.observe(fix, &place_m);
             } else {
@@ -461,12 +458,31 @@ impl Pdr {
         let bound = self.params.fixes.nis_bound;
         let Some(update) = self.walker.correct(fix, &way_m, bound) else { return };
         self.report.note_fix(update.nis, bound);
-        self.outliers = if update.nis > bound { self.outliers + 1 } else { 0 };
-        if self.outliers == MOST_OUTLIERS {
+        // The same error said four times is one outlier.
+        self.outliers = if update.nis > bound { self.outliers + share } else { 0.0 };
+        if self.outliers >= MOST_OUTLIERS {
             // Not the fixes are wrong, but what the walk was taken for.
-            self.outliers = 0;
-            self.search = Some(Search::default());
+            self.outliers = 0.0;
+            self.search = Some(Search::anew());
             self.report.warn(MethodWarning::PathReopened { time: fix.time });
+        }
+    }
+
+    /// Ends the search when the direction is known.
+    fn look(&mut self) {
+        let direction_rad2 = self.direction_variance();
+        if let Some(search) = self.search.take_if(|search| search.is_over(direction_rad2)) {
+            self.walker = search.place(&self.walker, direction_rad2);
+            self.placed = true;
+        }
+    }
+
+    /// Variance of the direction as far as a magnetometer tells it, rad²; else that of any.
+    fn direction_variance(&self) -> f64 {
+        if self.report.magnetic_heading {
+            self.walker.direction_variance()
+        } else {
+            UNKNOWN_RAD * UNKNOWN_RAD
         }
     }
 
@@ -480,6 +496,7 @@ impl Pdr {
         self.walker.spread(&(Matrix2::identity() * (distance_m * distance_m)));
         self.velocity_m_s = Vector2::zeros();
         self.trail.clear();
+        self.trail.push(time, self.walker.way_m);
         self.time = Some(time);
         self.told = Some(time);
         Ok(())
@@ -490,8 +507,11 @@ impl Pdr {
         if self.told.is_some_and(|told| time <= told) {
             return Ok(());
         }
-        let placed =
-            self.search.as_ref().filter(|search| !search.is_empty()).map(|search| search.place(&self.walker));
+        let placed = self
+            .search
+            .as_ref()
+            .filter(|search| !search.is_empty())
+            .map(|search| search.place(&self.walker, self.direction_variance()));
         let walker = placed.as_ref().unwrap_or(&self.walker);
         if !walker.is_finite() {
             return Err(MethodError::Diverged { time });

@@ -1,16 +1,16 @@
 //! Positions by the radio of the site, as fixes for the filter.
 //!
 //! Their errors are alike from one to the next: shadowing belongs to the place, and the body that shadows a tag stays where it is for a
-//! while. Readings whose errors are a first-order Markov process with correlation ρ from one to the next know the mean as well as
+//! while. With a correlation ρ to the fix before, which had the variance u, a fix of variance v adds to what is known of the mean (from the inverse of
+//! `[[u, ρ√uv], [ρ√uv, v]]`; Bar-Shalom & Campo 1986 combine tracks so):
 //!
 //! ```text
-//! 1 + (n − 1) (1 − ρ) / (1 + ρ),   ρ = exp(−Δs / D − Δt / T)
+//! (1/v) (1 − ρ √(v/u))² / (1 − ρ²),   ρ = exp(−Δs / D − Δt / T);   of equals (1/v) (1 − ρ) / (1 + ρ)
 //! ```
 //!
-//! independent ones (the information `1ᵀ R⁻¹ 1` of the AR(1) correlation matrix R; Gudmundson 1991 has the exponential of the distance).
-//! So every fix but the first counts for the share (1 − ρ)/(1 + ρ): its covariance is divided by it. Who stands learns little from hearing the
-//! same over and over. D is a length of shadowing, or the standard deviation of the fix where that is more: an error of 30 m that comes of far transmitters
-//! ends where others are near.
+//! Its covariance grows by that share. Less sure ones than √u/ρ add nothing, much surer ones count whole: never more than whole, since ρ is a guess. Who stands learns
+//! little from hearing the same over and over. D is a length of shadowing, or the standard deviation of the fix where that is more: an
+//! error of 30 m that comes of far transmitters ends where others are near (Gudmundson 1991 has the exponential of the distance).
 
 use super::NAME;
 use super::params::{PdrParams, PdrRadio};
@@ -27,7 +27,14 @@ pub struct RadioFixes {
     listener: Listener,
     params: PdrRadio,
     /// The last fix used of each source.
-    last: [Option<(Time, Vector2<f64>)>; FixSource::ALL.len()],
+    last: [Option<Last>; FixSource::ALL.len()],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Last {
+    time: Time,
+    way_m: Vector2<f64>,
+    variance: f64,
 }
 
 impl RadioFixes {
@@ -60,21 +67,104 @@ impl RadioFixes {
         self.listener.report()
     }
 
-    /// The fix with the covariance with which it adds to those before it; `way_m` is the way walked until then.
-    pub fn weigh(&mut self, fix: &PositionFix, way_m: &Vector2<f64>) -> PositionFix {
+    /// The fix with the covariance with which it adds to those before it, and what share of a whole one that is; `way_m` is the way
+    /// walked until then.
+    pub fn weigh(&mut self, fix: &PositionFix, way_m: &Vector2<f64>) -> (PositionFix, f64) {
         let PdrRadio { correlation_m, correlation_sigmas, correlation_s, .. } = self.params;
-        let alike_m = correlation_m.max(correlation_sigmas * libm::sqrt(fix.covariance_m2.trace()));
+        let variance = fix.covariance_m2.trace();
+        let alike_m = correlation_m.max(correlation_sigmas * libm::sqrt(variance));
         let last = &mut self.last[fix.source as usize];
-        let share = last.map_or(1.0, |(time, before_m)| {
+        let share = last.map_or(1.0, |Last { time, way_m: before_m, variance: before }| {
             let (walked_m, passed_s) = ((way_m - before_m).norm(), (fix.time - time).seconds().abs());
-            let exponent = walked_m / alike_m + passed_s / correlation_s;
-            // (1 − ρ)/(1 + ρ)
-            libm::tanh(0.5 * exponent).max(LEAST_SHARE)
+            let correlation = libm::exp(-walked_m / alike_m - passed_s / correlation_s);
+            let own = (1.0 - correlation * libm::sqrt(variance / before)).max(0.0);
+            // Two at one time and place: 0/0, of equals no news.
+            (own * own / (1.0 - correlation * correlation).max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 1.0)
         });
-        *last = Some((fix.time, *way_m));
-        PositionFix { covariance_m2: fix.covariance_m2 / share, ..*fix }
+        *last = Some(Last { time: fix.time, way_m: *way_m, variance });
+        (PositionFix { covariance_m2: fix.covariance_m2 / share, ..*fix }, share)
     }
 }
 
 /// A fix that repeats the one before is still one: its covariance stays finite.
 const LEAST_SHARE: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+    use crate::methods::pdr::PdrParams;
+    use crate::radio::RadioSite;
+    use adit_core::frames::Position;
+    use adit_core::nalgebra::Matrix2;
+    use adit_mine::plan::{Anchor, Grid, MinePlan};
+    use alloc::sync::Arc;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Walks in 2 m and 3 s between fixes; `sigmas` as given.
+    fn information(sigmas: &[f64]) -> (f64, PdrRadio) {
+        let mut plan = MinePlan::new("one", Grid::Local {});
+        plan.anchors.push(Anchor {
+            id: "a".into(),
+            position_m: Position::new(0.0, 0.0, 0.0),
+            range_offset_m: None,
+            antenna_delay_ns: None,
+            tx_power_dbm: None,
+        });
+        let mut params =
+            PdrParams { site: Some(Arc::new(RadioSite::of_plan(&plan))), ..PdrParams::default() };
+        params.radio =
+            PdrRadio { correlation_m: 5.0, correlation_sigmas: 0.0, correlation_s: 20.0, ..params.radio };
+        let mut fixes = RadioFixes::new(&params).unwrap().unwrap();
+        let sum = sigmas.iter().zip(0_i64..).map(|(sigma, k)| {
+            let time = Time::from_nanos(k * 3_000_000_000);
+            let fix = PositionFix::level(time, Vector2::zeros(), *sigma, FixSource::Wifi);
+            let (fix, _) = fixes.weigh(&fix, &Vector2::new(2.0 * k as f64, 0.0));
+            1.0 / fix.covariance_m2[(0, 0)]
+        });
+        (sum.sum(), params.radio)
+    }
+
+    #[test]
+    fn fixes_add_what_a_markov_process_of_errors_leaves() {
+        let sigmas = [3.0; 12];
+        let (found, radio) = information(&sigmas);
+        let correlation = libm::exp(-2.0 / radio.correlation_m - 3.0 / radio.correlation_s);
+        let errors = DMatrix::from_fn(12, 12, |i, j| 9.0 * libm::pow(correlation, i.abs_diff(j) as f64));
+        let ones = DVector::from_element(12, 1.0);
+        let exact = ones.dot(&(errors.try_inverse().unwrap() * &ones));
+        assert!((found - exact).abs() < 1e-12, "{found} {exact}");
+    }
+
+    #[test]
+    fn of_two_unlike_fixes_neither_counts_more_than_whole() {
+        let whole = |sigmas: &[f64]| sigmas.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>();
+        for sigmas in [[3.0, 2.5], [3.0, 4.0], [1.0, 30.0], [30.0, 1.0]] {
+            let (found, radio) = information(&sigmas);
+            let correlation = libm::exp(-2.0 / radio.correlation_m - 3.0 / radio.correlation_s);
+            let [u, v] = sigmas.map(|sigma| sigma * sigma);
+            let cross = correlation * libm::sqrt(u * v);
+            let exact = Matrix2::new(u, cross, cross, v).try_inverse().unwrap().sum();
+            assert!(found <= whole(&sigmas) * (1.0 + 1e-12), "{sigmas:?}");
+            // Where neither bound is met it is exact.
+            let own = 1.0 - correlation * libm::sqrt(v / u);
+            let share = own * own / (1.0 - correlation * correlation);
+            if own > 0.1 && share < 1.0 {
+                assert!((found - exact).abs() < 1e-12, "{sigmas:?}: {found} {exact}");
+            }
+        }
+        // Ten times less sure than the one before: nothing new, to a thousandth of its own.
+        assert!((information(&[1.0, 30.0]).0 - 1.0) < 1e-5);
+    }
+
+    #[test]
+    fn radio_is_used_where_something_is_known_of_it() {
+        let mut params = PdrParams::default();
+        let site = RadioSite::default();
+        assert!(RadioFixes::new(&params).unwrap().is_none(), "nothing is known of a site");
+        params.site = Some(Arc::new(site));
+        assert!(RadioFixes::new(&params).is_err(), "a site without transmitters");
+        params.radio.used = false;
+        assert!(RadioFixes::new(&params).unwrap().is_none());
+    }
+}

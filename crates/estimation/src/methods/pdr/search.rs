@@ -5,11 +5,12 @@
 //! the least squares (Umeyama 1991, in the plane and without scale) come from running sums alone:
 //!
 //! ```text
-//! ψ = arg Σ (d_i − d̄)* (f_i − f̄),   var ψ = σ² / Σ |d_i − d̄|²,   var f̄ = σ² / n
+//! ψ = arg (k + Σ w_i (d_i − d̄)* (f_i − f̄)),   1 / var ψ = k + Σ w_i |d_i − d̄|²,   1 / var f̄ = Σ w_i
 //! ```
 //!
-//! with east and north as the parts of a complex number and σ² the mean variance of the fixes. The search is over when
-//! ψ is known to [`FOUND_RAD`]: the walker has gone some three times the error of a fix.
+//! with east and north as the parts of a complex number, w one over the variance of a fix, and k one over the variance of what is known of the
+//! direction without fixes: that of a magnetometer on a tag whose mounting is declared, else nothing (the product of two von Mises distributions; Mardia & Jupp
+//! 2000, §3.5.4). The search is over when ψ is known to [`FOUND_RAD`]: the walker has gone some three times the error of a fix.
 
 use super::walker::{EAST, FACTOR, HEADING, NORTH, OFFSET, STATES, Walker};
 use adit_core::nalgebra::{Matrix2, SMatrix, Vector2};
@@ -21,53 +22,67 @@ pub const FOUND_RAD: f64 = 0.3;
 /// Nothing is known of a direction: standard deviation of the uniform distribution over a turn, rad.
 pub const UNKNOWN_RAD: f64 = 1.8138;
 
-/// Running sums.
+/// Running sums, weighted by one over the variance of each fix.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Search {
-    count: f64,
+    weight: f64,
     mean_way: Vector2<f64>,
     mean_fix: Vector2<f64>,
     /// Real and imaginary part of the sum of products.
     dot: f64,
     cross: f64,
     spread: f64,
-    variance_sum: f64,
+    /// The direction that the walk was taken to have has proved wrong.
+    direction_is_lost: bool,
 }
 
 impl Search {
+    /// A search that is to find the direction anew.
+    pub fn anew() -> Self {
+        Self { direction_is_lost: true, ..Self::default() }
+    }
+
     /// A fix, and where the way was at its time, m.
     pub fn observe(&mut self, fix: &PositionFix, way_m: &Vector2<f64>) {
-        self.count += 1.0;
+        let weight = 2.0 / fix.covariance_m2.trace();
+        self.weight += weight;
         let (way, target) = (way_m - self.mean_way, fix.level_m - self.mean_fix);
-        self.mean_way += way / self.count;
-        self.mean_fix += target / self.count;
+        self.mean_way += way * (weight / self.weight);
+        self.mean_fix += target * (weight / self.weight);
         let rest = fix.level_m - self.mean_fix;
-        self.dot += way.dot(&rest);
-        self.cross += way.x * rest.y - way.y * rest.x;
-        self.spread += way.dot(&(way_m - self.mean_way));
-        self.variance_sum += 0.5 * fix.covariance_m2.trace();
+        self.dot += weight * way.dot(&rest);
+        self.cross += weight * (way.x * rest.y - way.y * rest.x);
+        self.spread += weight * way.dot(&(way_m - self.mean_way));
     }
 
     /// True before the first fix.
     pub fn is_empty(&self) -> bool {
-        self.count < 1.0
+        self.weight <= 0.0
+    }
+
+    /// What is known of the direction without the fixes: one over its variance, rad⁻².
+    fn known(&self, direction_rad2: f64) -> f64 {
+        // As good as nothing where it may be any.
+        let known = !self.direction_is_lost && direction_rad2 < UNKNOWN_RAD;
+        if known { 1.0 / direction_rad2.max(f64::MIN_POSITIVE) } else { 0.0 }
     }
 
     /// Variance of the direction, rad².
-    fn direction_variance(&self) -> f64 {
+    fn direction_variance(&self, direction_rad2: f64) -> f64 {
         let none = UNKNOWN_RAD * UNKNOWN_RAD;
-        if self.spread > 0.0 { (self.variance_sum / self.count / self.spread).min(none) } else { none }
+        let information = self.spread + self.known(direction_rad2);
+        if information > 0.0 { (1.0 / information).min(none) } else { none }
     }
 
-    /// True when the direction is known well enough for the filter.
-    pub fn is_over(&self) -> bool {
-        self.direction_variance() < FOUND_RAD * FOUND_RAD
+    /// True when the direction is known well enough for the filter; `direction_rad2` is its variance without the fixes.
+    pub fn is_over(&self, direction_rad2: f64) -> bool {
+        self.direction_variance(direction_rad2) < FOUND_RAD * FOUND_RAD
     }
 
-    /// The walker of the way as he stands on the map; `direction_rad2` is what is known of the direction without the fixes.
-    pub fn place(&self, way: &Walker) -> Walker {
+    /// The walker of the way as he stands on the map; `direction_rad2` is the variance of the direction without the fixes.
+    pub fn place(&self, way: &Walker, direction_rad2: f64) -> Walker {
         // Counter-clockwise in the plane of east and north; headings run clockwise.
-        let turn = libm::atan2(self.cross, self.dot);
+        let turn = libm::atan2(self.cross, self.dot + self.known(direction_rad2));
         let (sin, cos) = libm::sincos(turn);
         let rotation = Matrix2::new(cos, -sin, sin, cos);
         let lever = rotation * (way.position_m - self.mean_way);
@@ -76,7 +91,7 @@ impl Search {
         placed.offset_rad -= turn;
 
         let kept = way.covariance[(FACTOR, FACTOR)];
-        let (direction, mean) = (self.direction_variance(), self.variance_sum / (self.count * self.count));
+        let (direction, mean) = (self.direction_variance(direction_rad2), 1.0 / self.weight);
         let across = Vector2::new(lever.y, -lever.x);
         let along = lever / way.factor;
         let position = Matrix2::identity() * mean
