@@ -72,8 +72,8 @@ const WAYPOINT_SIGMA_M: f64 = 0.3;
 /// The floor of all walks.
 const FLOOR: f64 = -2.0;
 
-/// Errors at the waypoints but the first, in the frame of the building.
-fn in_the_building(adit: &Path, folder: &Path, walks: &[String]) -> Result<String> {
+/// Errors at the waypoints but the first, in the frame of the building, as a table.
+pub fn in_the_building(adit: &Path, folder: &Path, walks: &[String]) -> Result<String> {
     let scratch = tempfile::tempdir()?;
     let file = |name: &str| scratch.path().join(name);
     fs::write(file("site.toml"), beacons(folder)?)?;
