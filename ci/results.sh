@@ -10,7 +10,7 @@
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
-#   docs/results/s0-position.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/people-plan.svg, docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
+#   docs/results/s0-position.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/people-plan.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -106,5 +106,6 @@ for page in $(grep -rlE --include='*.md' '^<!-- [a-z0-9-]+:begin' README.md docs
 done
 cp "$fresh/here/tumble.svg" docs/results/magnetometer.svg
 cp "$fresh/here/allan.svg" docs/results/allan.svg
+cp "$fresh/here/tune.svg" docs/results/tune.svg
 cat "$fresh/results.md" "$fresh/loops.md"
 exit $complete

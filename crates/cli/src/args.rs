@@ -9,7 +9,7 @@ mod tune;
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
-pub use tune::TuneArgs;
+pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
 use crate::output::Target;
@@ -18,7 +18,7 @@ use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 const EXAMPLES: &str = "\
@@ -111,9 +111,9 @@ impl Adit {
             return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
         }
         if let Verb::Tune(tune) = &args.verb
-            && let Some(what) = tune.contradiction()
+            && let Some((kind, what)) = tune.contradiction()
         {
-            return Err(Self::command().error(ErrorKind::ArgumentConflict, what));
+            return Err(Self::command().error(kind, what));
         }
         if let Verb::Track(track) = &args.verb
             && let Some((kind, what)) = track.contradiction()
@@ -271,22 +271,31 @@ impl TrackArgs {
             let what = format!("{name} has no smoother: {flag} cannot be used with it");
             return Some((ErrorKind::ArgumentConflict, what));
         }
-        let site = mine.as_ref().map(|_| "--mine").or(radio.first().map(|_| "--radio"));
-        match (method.radio(), site) {
-            (RadioUse::Unused, Some(flag)) => {
-                let what =
-                    format!("{name} makes no use of the radio of a site: {flag} cannot be used with it");
-                Some((ErrorKind::ArgumentConflict, what))
-            }
-            (RadioUse::Needed, None) => {
-                let what = format!(
-                    "{name} needs the radio of the site: --mine MINE (places of access points) or --radio MODEL \
-                     (of adit calibrate pathloss or fingerprint)"
-                );
-                Some((ErrorKind::MissingRequiredArgument, what))
-            }
-            _ => None,
+        radio_contradiction(*method, mine.as_deref(), radio)
+    }
+}
+
+/// What a method cannot do with what is said of the radio of the site, or without it.
+fn radio_contradiction(
+    method: MethodName,
+    mine: Option<&Path>,
+    radio: &[PathBuf],
+) -> Option<(ErrorKind, String)> {
+    let name = method.name();
+    let site = mine.map(|_| "--mine").or(radio.first().map(|_| "--radio"));
+    match (method.radio(), site) {
+        (RadioUse::Unused, Some(flag)) => {
+            let what = format!("{name} makes no use of the radio of a site: {flag} cannot be used with it");
+            Some((ErrorKind::ArgumentConflict, what))
         }
+        (RadioUse::Needed, None) => {
+            let what = format!(
+                "{name} needs the radio of the site: --mine MINE (places of access points) or --radio MODEL \
+                 (of adit calibrate pathloss or fingerprint)"
+            );
+            Some((ErrorKind::MissingRequiredArgument, what))
+        }
+        _ => None,
     }
 }
 

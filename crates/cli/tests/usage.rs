@@ -11,7 +11,7 @@ fn run(args: &[&str]) -> Outcome {
 
 #[test]
 fn wrong_usage_is_one_line_and_exit_code_2() {
-    let cases: [(&[&str], &str); 17] = [
+    let cases: [(&[&str], &str); 20] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
             "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, pdr-wifi, ahrs]",
@@ -55,6 +55,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
             &["tune", "pdr", "--train", "a", "-o", "t.toml", "--optimizer", "luck"],
             "[possible values: cmaes, scaba, bat, sca]",
         ),
+        (&["tune", "wifi", "--train", "a", "-o", "t.toml"], "wifi has no noise parameters to tune"),
         (&["dig"], "unrecognized subcommand 'dig'"),
     ];
     for (args, expected) in cases {

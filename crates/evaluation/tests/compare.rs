@@ -9,12 +9,13 @@ use adit_core::trajectory::Pose;
 use adit_evaluation::EvaluationError;
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::compare::{
-    Comparison, RunErrors, RunOptions, RunOutcome, TrueState, html, run_errors, summarise,
+    Comparison, GRID_S, Moments, RunErrors, RunOptions, RunOutcome, TrueState, html, run_errors, summarise,
 };
 use proptest::test_runner::{RngAlgorithm, TestRng};
 
+const ALL: Moments = Moments { from_s: 0.0, every_s: GRID_S, above_m_s: 0.0 };
 const OPTIONS: RunOptions =
-    RunOptions { alignment: Alignment::None, from_s: 0.0, positions: true, attitudes: true };
+    RunOptions { alignment: Alignment::None, moments: ALL, positions: true, attitudes: true };
 
 fn time(tenths: i64) -> Time {
     Time::from_nanos(tenths * 100_000_000)
@@ -135,8 +136,28 @@ fn what_is_not_estimated_is_not_judged() {
     let summary =
         summarise("x", &[Some(outcome(run_errors(&solutions, &truth, &OPTIONS).unwrap()))], true).unwrap();
     assert!(summary.nees.is_none() && summary.consistency.velocity.is_some());
-    let late = RunOptions { from_s: 100.0, ..OPTIONS };
+    let late = RunOptions { moments: Moments { from_s: 100.0, ..ALL }, ..OPTIONS };
     assert!(matches!(run_errors(&solutions, &truth, &late), Err(EvaluationError::TooFewPoses { .. })));
+}
+
+#[test]
+fn moments_stand_on_a_grid_and_only_where_the_truth_moves() {
+    // Walks for 10 s, stands for 10 s.
+    let mut truth = truth(200);
+    for state in &mut truth[100..] {
+        state.pose.position_m.y = 10.0;
+    }
+    let solutions: Vec<Solution> = truth.iter().map(|state| solution(state, [0.1; 5])).collect();
+    let judged = |moments| {
+        let errors = run_errors(&solutions, &truth, &RunOptions { moments, ..OPTIONS }).unwrap();
+        errors.time_s.into_iter().map(|time| (time * 10.0).round() / 10.0).collect::<Vec<f32>>()
+    };
+    assert_eq!(judged(Moments { every_s: 6.0, ..ALL }), [0.0, 6.0, 12.0, 18.0]);
+    // A grid that falls between solutions does not drift.
+    assert_eq!(judged(Moments { every_s: 6.25, ..ALL }), [0.0, 6.3, 12.5, 18.8]);
+    // At the ends there is no second around the moment.
+    assert_eq!(judged(Moments { every_s: 3.0, above_m_s: 0.3, ..ALL }), [3.0, 6.0, 9.0]);
+    assert_eq!(judged(Moments { from_s: 5.0, every_s: 3.0, above_m_s: 0.3 }), [5.0, 8.0]);
 }
 
 #[test]
@@ -151,6 +172,8 @@ fn a_page_escapes_names_and_needs_nothing_from_elsewhere() {
         first_seed: None,
         alignment: "none".to_owned(),
         judged_from_s: 0.0,
+        judged_every_s: GRID_S,
+        judged_above_m_s: 0.0,
         methods: vec![("a \"b\" <c>".to_owned(), summary)],
     };
     let page = html(&comparison, &[]).unwrap();

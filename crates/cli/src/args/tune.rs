@@ -1,17 +1,19 @@
 //! `adit tune`: its flags.
 
-use super::not_negative;
+use super::{not_negative, radio_contradiction};
 use crate::method::MethodName;
 use crate::output::Target;
 use adit_evaluation::alignment::Alignment;
 use clap::builder::PossibleValue;
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum, ValueHint};
+use serde::Deserialize;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 What is searched:
   the noise parameters of the method: how large its random errors are said to be. Each is searched by its logarithm between bounds that physics
-  sets, from the setting that it has now. One set of values for all runs.
+  sets, from the setting that it has now. One set of values for all runs. Afterwards each value that is worth nothing is taken back.
 
 What is sought:
   the least mean over the runs of the mean squared error. Paths: horizontal position, m², at the moments at which compare judges: every
@@ -71,6 +73,14 @@ pub struct TuneArgs {
     #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
+    /// The mine, as for track
+    #[arg(long, value_name = "MINE", value_hint = ValueHint::FilePath)]
+    pub mine: Option<PathBuf>,
+
+    /// The radio of the site, as for track
+    #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
+    pub radio: Vec<PathBuf>,
+
     /// What to forgive before errors are taken [default: se2; none for attitude]
     #[arg(long, value_name = "none|start|se2|se3")]
     pub align: Option<Alignment>,
@@ -98,31 +108,36 @@ pub struct TuneArgs {
 
 impl TuneArgs {
     /// What is wrong beyond a single flag.
-    pub fn contradiction(&self) -> Option<String> {
+    pub fn contradiction(&self) -> Option<(ErrorKind, String)> {
+        let Self { method, budget, agents, .. } = self;
+        let conflict = |what: String| Some((ErrorKind::ArgumentConflict, what));
         let stdout = self.out == Target::Stdout;
         if stdout && self.json == Some(Target::Stdout) {
-            return Some("-o and --json cannot both go to stdout".to_owned());
+            return conflict("-o and --json cannot both go to stdout".to_owned());
         }
         if stdout && self.resume {
-            return Some("--resume needs a file for -o: what is known stands beside it".to_owned());
+            return conflict("--resume needs a file for -o: what is known stands beside it".to_owned());
         }
-        if self.budget < self.agents {
-            let Self { budget, agents, .. } = self;
-            return Some(format!("--budget {budget} is less than one generation of --agents {agents}"));
+        if budget < agents {
+            return conflict(format!("--budget {budget} is less than one generation of --agents {agents}"));
         }
-        let method = self.method.name();
-        let known: Vec<&str> = self.method.noise_parameters().map(|parameter| parameter.path).collect();
+        let known: Vec<&str> = method.noise_parameters().map(|parameter| parameter.path).collect();
         if known.is_empty() {
-            return Some(format!("{method} has no noise parameters to tune"));
+            return conflict(format!("{} has no noise parameters to tune", method.name()));
         }
-        let unknown = self.parameters.iter().find(|name| !known.contains(&name.as_str()))?;
-        let known = known.join(", ");
-        Some(format!("--parameters: {unknown} is no noise parameter of {method}, expected some of {known}"))
+        if let Some(unknown) = self.parameters.iter().find(|name| !known.contains(&name.as_str())) {
+            let (name, known) = (method.name(), known.join(", "));
+            return conflict(format!(
+                "--parameters: {unknown} is no noise parameter of {name}, expected some of {known}"
+            ));
+        }
+        radio_contradiction(*method, self.mine.as_deref(), &self.radio)
     }
 }
 
 /// An optimiser on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(transparent)]
 pub struct OptimiserName(pub adit_tuning::optimise::Method);
 
 impl ValueEnum for OptimiserName {

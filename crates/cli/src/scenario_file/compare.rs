@@ -1,9 +1,12 @@
 //! The table `[compare]`: which methods run on the scenario, how each is configured, and how they are judged.
 
 use super::Scenario;
+use crate::args::OptimiserName;
 use crate::config;
 use crate::method::MethodName;
 use adit_evaluation::alignment::Alignment;
+use adit_evaluation::compare::{GRID_S, Moments};
+use adit_tuning::optimise::Method as Optimiser;
 use anyhow::Result;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -18,6 +21,16 @@ pub struct CompareEntry {
     /// Judged from this time on, s.
     #[serde(default)]
     judged_from_s: f64,
+    /// Time between judged moments, s.
+    judged_every_s: Option<Spanned<f64>>,
+    /// Judged only while the truth moves faster than this, m/s.
+    #[serde(default)]
+    judged_above_m_s: f64,
+    /// Whose log, of everybody in a mine, from 1.
+    #[serde(default = "first")]
+    person: Spanned<usize>,
+    /// How methods are tuned before they are judged.
+    tuning: Option<TuningEntry>,
     /// The methods.
     runs: Vec<Spanned<RunEntry>>,
 }
@@ -32,6 +45,20 @@ struct RunEntry {
     config_file: Option<PathBuf>,
     #[serde(default = "yes")]
     figures: bool,
+    /// Optimiser that tunes it first.
+    tune: Option<OptimiserName>,
+    /// Person whose log makes its fingerprints, from 1.
+    survey: Option<Spanned<usize>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TuningEntry {
+    person: Spanned<usize>,
+    #[serde(default)]
+    config: toml::Table,
+    agents: usize,
+    evaluations: usize,
 }
 
 /// How methods are judged, and which.
@@ -39,10 +66,27 @@ struct RunEntry {
 pub struct Contest {
     /// What is forgiven before errors are taken, where something is said of it.
     pub align: Option<Alignment>,
-    /// Judged from this time on, s.
-    pub judged_from_s: f64,
+    /// Which moments are judged.
+    pub moments: Moments,
+    /// Whose log, of everybody in a mine, from 0.
+    pub person: usize,
+    /// How methods are tuned before they are judged.
+    pub tuning: Option<Tuning>,
     /// Who competes.
     pub contenders: Vec<Contender>,
+}
+
+/// How methods are tuned on the log of one person before they are judged on another's.
+#[derive(Debug, Clone)]
+pub struct Tuning {
+    /// Whose log, from 0.
+    pub person: usize,
+    /// Settings there, over those of the method.
+    pub config: toml::Table,
+    /// Agents of a generation.
+    pub agents: usize,
+    /// Evaluations in all.
+    pub evaluations: usize,
 }
 
 /// A method and its settings.
@@ -56,12 +100,17 @@ pub struct Contender {
     pub config: toml::Table,
     /// Whether it stands in the figures.
     pub in_figures: bool,
+    /// Optimiser that tunes it first.
+    pub tune: Option<Optimiser>,
+    /// Person whose log makes its fingerprints, from 0.
+    pub survey: Option<usize>,
 }
 
 impl Contender {
     /// A method as it comes.
     pub fn plain(method: MethodName) -> Self {
-        Self { name: method.name().to_owned(), method, config: toml::Table::new(), in_figures: true }
+        let (name, config) = (method.name().to_owned(), toml::Table::new());
+        Self { name, method, config, in_figures: true, tune: None, survey: None }
     }
 }
 
@@ -77,11 +126,34 @@ impl Scenario {
                 return Err(self.source.error(&run.span(), &what));
             }
         }
-        Ok(Contest { align: entry.align, judged_from_s: entry.judged_from_s, contenders })
+        let every_s = entry.judged_every_s.as_ref().map(|every_s| self.every_s(every_s)).transpose()?;
+        let moments = Moments {
+            from_s: entry.judged_from_s,
+            every_s: every_s.unwrap_or(GRID_S),
+            above_m_s: entry.judged_above_m_s,
+        };
+        let tuning = entry.tuning.as_ref().map(|tuning| {
+            let TuningEntry { person, config, agents, evaluations } = tuning;
+            let person = self.number(person)?;
+            Ok::<_, anyhow::Error>(Tuning {
+                person,
+                config: config.clone(),
+                agents: *agents,
+                evaluations: *evaluations,
+            })
+        });
+        let tuning = tuning.transpose()?;
+        if tuning.is_none()
+            && let Some(run) = entry.runs.iter().find(|run| run.get_ref().tune.is_some())
+        {
+            let what = "a run that is tuned needs [compare.tuning]: person, agents, evaluations";
+            return Err(self.source.error(&run.span(), what));
+        }
+        Ok(Contest { align: entry.align, moments, person: self.number(&entry.person)?, tuning, contenders })
     }
 
     fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, figures } = entry.get_ref();
+        let RunEntry { name, method, config, config_file, figures, tune, survey } = entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
             Some(file) => {
@@ -95,7 +167,27 @@ impl Scenario {
             method: *method,
             config: settings,
             in_figures: *figures,
+            tune: tune.map(|name| name.0),
+            survey: survey.as_ref().map(|person| self.number(person)).transpose()?,
         })
+    }
+}
+
+impl Scenario {
+    /// A person of the mine, counted from 1 in the file and from 0 here.
+    fn number(&self, person: &Spanned<usize>) -> Result<usize> {
+        person.get_ref().checked_sub(1).ok_or_else(|| {
+            self.source.error(&person.span(), "person is 0, expected the number of a person, from 1")
+        })
+    }
+
+    fn every_s(&self, every_s: &Spanned<f64>) -> Result<f64> {
+        let found = *every_s.get_ref();
+        if (1e-3..=1e6).contains(&found) {
+            return Ok(found);
+        }
+        let what = format!("judged_every_s is {found}, expected 0.001 to 1e6 s");
+        Err(self.source.error(&every_s.span(), &what))
     }
 }
 
@@ -108,4 +200,8 @@ impl super::Source {
 
 fn yes() -> bool {
     true
+}
+
+fn first() -> Spanned<usize> {
+    Spanned::new(0..0, 1)
 }

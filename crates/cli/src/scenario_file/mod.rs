@@ -30,9 +30,9 @@ use adit_simulation::{
     Emission, FootWalk, FootWalkScenario, Gait, Generator, IdealImu, ImuErrorModel, Leg, MagneticWorld,
     MagnetometerModel, Motion, Tumble,
 };
-use anyhow::Result;
+use anyhow::{Result, bail};
 use compare::CompareEntry;
-pub use compare::{Contender, Contest};
+pub use compare::{Contender, Contest, Tuning};
 use magnetic::Magnetic;
 pub use mine::Everybody;
 use mine::MineEntry;
@@ -178,11 +178,20 @@ impl Scenario {
                 self.run(tumble, magnetometer, seed)
             }
             Kind::RoadwayWalk => self.roadway_walk(seed),
-            Kind::Mine => {
-                let Run { duration_s, sidecar, emissions } = self.everybody(seed)?.person(0)?;
-                Ok(Run { duration_s, sidecar, emissions: Box::new(emissions) })
-            }
+            Kind::Mine => self.generate_person(seed, 0),
         }
+    }
+
+    /// Makes the log of one person of `kind = "mine"`, by number from 0; of the other kinds of the only one there is.
+    pub fn generate_person(&self, seed: u64, person: usize) -> Result<Run> {
+        if self.has_everybody() {
+            let Run { duration_s, sidecar, emissions } = self.everybody(seed)?.person(person)?;
+            return Ok(Run { duration_s, sidecar, emissions: Box::new(emissions) });
+        }
+        if person > 0 {
+            bail!("there is no person {} in this scenario: it has one", person + 1);
+        }
+        self.generate(seed)
     }
 
     /// Puts the sensors on a motion.

@@ -100,8 +100,19 @@ impl Trials {
     /// Makes or reads one.
     pub fn get(&self, index: usize) -> Result<Trial> {
         match self {
-            Self::Simulated(scenario, first, _) => simulated(scenario, first.wrapping_add(index as u64)),
+            Self::Simulated(..) => self.of_person(index, 0),
             Self::Recorded(pairs) => recorded(&pairs[index].0, &pairs[index].1),
+        }
+    }
+
+    /// Makes the run of another person, by number from 0, of everybody in a mine.
+    pub fn of_person(&self, index: usize, person: usize) -> Result<Trial> {
+        match self {
+            Self::Simulated(scenario, first, _) => {
+                simulated(scenario, first.wrapping_add(index as u64), person)
+            }
+            Self::Recorded(_) if person == 0 => self.get(index),
+            Self::Recorded(_) => bail!("recorded runs have no further people"),
         }
     }
 }
@@ -132,8 +143,8 @@ impl Trial {
     }
 }
 
-fn simulated(scenario: &Scenario, seed: u64) -> Result<Trial> {
-    let run = scenario.generate(seed)?;
+fn simulated(scenario: &Scenario, seed: u64, person: usize) -> Result<Trial> {
+    let run = scenario.generate_person(seed, person)?;
     let (mut observations, mut truth) = (Vec::new(), Vec::new());
     for emission in run.emissions {
         observations.push(emission.observation());

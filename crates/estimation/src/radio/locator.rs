@@ -20,7 +20,7 @@ use super::map::{Hearing, Storeys};
 use super::nearest::{Fingerprints, NearestParams};
 use super::scan::{HeardMean, Scan};
 use super::signal_fit::{SignalFitParams, signal_fit};
-use super::site::{CentreLines, RadioSite, Surveyed, Transmitter};
+use super::site::{CentreLines, RadioSite, Surveyed, SurveyedMap, Transmitter};
 use super::trilateration::linear_signals;
 use super::{AreaPrior, Emitter, Heard, Lattice, MapParams, PathLoss, RadioFix, RadioMap, Reading};
 use crate::settings::{first_unusable, not_negative, positive};
@@ -216,8 +216,10 @@ impl Locator {
                 models.push(Named::of_survey(surveyed, Model::Fingerprints { fingerprints }));
             }
             (LocatorMethod::Map | LocatorMethod::Auto, Some(surveyed)) => {
-                let (map, belief) = (surveyed.map.clone(), params.belief.unwrap_or(surveyed.belief));
-                models.push(Named::of_survey(surveyed, Model::Map { map, belief }));
+                if let Some(SurveyedMap { map, belief }) = &surveyed.map {
+                    let (map, belief) = (map.clone(), params.belief.unwrap_or(*belief));
+                    models.push(Named::of_survey(surveyed, Model::Map { map, belief }));
+                }
             }
             _ => {}
         }
@@ -225,15 +227,9 @@ impl Locator {
             let emitters = emitters(site, &params);
             let on_map = matches!(params.method, LocatorMethod::Map | LocatorMethod::Auto);
             let map = if on_map { map_of(site, &params, &emitters) } else { None };
-            let model = map.unwrap_or_else(|| Model::Emitters {
-                emitters,
-                area: site.area,
-                centre_lines: if params.to_roadway {
-                    site.centre_lines.clone()
-                } else {
-                    CentreLines::default()
-                },
-            });
+            let centre_lines =
+                if params.to_roadway { site.centre_lines.clone() } else { CentreLines::default() };
+            let model = map.unwrap_or(Model::Emitters { emitters, area: site.area, centre_lines });
             models.push(Named::of_transmitters(&site.transmitters, model));
         }
         if models.is_empty() {

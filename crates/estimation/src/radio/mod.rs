@@ -43,7 +43,7 @@ pub use fix::{AreaPrior, RadioFix};
 pub use lattice::Lattice;
 pub use listener::{HeardReport, Listener};
 pub use map::{MapParams, PlaceFix, RadioMap, Reading};
-pub use site::RadioSite;
+pub use site::{CentreLines, RadioSite, Surveyed, SurveyedMap};
 
 pub use adit_mine::plan::PathLoss;
 

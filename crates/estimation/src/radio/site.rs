@@ -53,17 +53,24 @@ pub struct Calibrated {
     pub belief: MapParams,
 }
 
-/// Fingerprints and the map made of them.
+/// Fingerprints and, where one was made, the map of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Surveyed {
-    /// Names of the transmitters by their number in the map.
+    /// Names of the transmitters by their number.
     pub transmitters: Vec<DeviceId>,
-    /// What strengths to expect where.
-    pub map: RadioMap,
-    /// How far to believe them.
-    pub belief: MapParams,
     /// The spots as surveyed.
     pub fingerprints: Fingerprints,
+    /// What strengths to expect where.
+    pub map: Option<SurveyedMap>,
+}
+
+/// A map made of a survey.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurveyedMap {
+    /// What strengths to expect where.
+    pub map: RadioMap,
+    /// How far to believe it.
+    pub belief: MapParams,
 }
 
 /// Centre lines of roadways, seen from above.
@@ -169,7 +176,8 @@ impl RadioSite {
     #[must_use]
     pub fn with_fingerprints(mut self, model: FingerprintModel) -> Self {
         let FingerprintModel { transmitters, strengths, belief, fingerprints, .. } = model;
-        self.surveyed = Some(Surveyed { transmitters, map: strengths, belief, fingerprints });
+        let map = Some(SurveyedMap { map: strengths, belief });
+        self.surveyed = Some(Surveyed { transmitters, fingerprints, map });
         self
     }
 }

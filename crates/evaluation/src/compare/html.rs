@@ -23,12 +23,12 @@ pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, 
     let _ = write!(
         page,
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
-         <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p>{} runs{}; aligned {}, judged from {} s on. \
+         <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p>{} runs{}; aligned {}, judged {}. \
          Position and velocity errors are horizontal.</p>\n",
         comparison.seeds,
         comparison.first_seed.map_or_else(String::new, |seed| format!(", seeds from {seed}")),
         escape(&comparison.alignment),
-        comparison.judged_from_s,
+        comparison.judged(),
     );
     for (name, method) in comparison.methods.iter().filter(|(_, method)| method.failed_runs > 0) {
         let failed = method.failed_runs;
@@ -78,16 +78,17 @@ pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, 
 }
 
 fn errors_table(page: &mut String, comparison: &Comparison) {
-    *page += "<h2>Errors, all moments of all runs</h2>\n<table><tr><th>method</th><th>position: RMSE</th><th>median</th>\
+    *page += "<h2>Errors, all moments of all runs</h2>\n<table><tr><th>method</th><th>position: RMSE</th><th>mean</th><th>median</th>\
         <th>95 %</th><th>largest</th><th>below 2 m</th><th>heading: 95 %</th><th>velocity: 95 %</th>\
         <th>one sample</th></tr>\n";
     for (name, method) in &comparison.methods {
         let position = |of: fn(&Quantiles) -> f64| number(method.position_m.as_ref().map(of), " m");
         let _ = writeln!(
             page,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0} ns</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0} ns</td></tr>",
             escape(name),
             position(|q| q.rmse),
+            position(|q| q.mean),
             position(|q| q.median),
             position(|q| q.p95),
             position(|q| q.max),

@@ -19,7 +19,7 @@ mod run;
 mod summary;
 
 pub use html::html;
-pub use run::{RunErrors, RunOptions, TrueState, path_errors_m, run_errors};
+pub use run::{Moments, RunErrors, RunOptions, TrueState, path_errors_m, run_errors};
 pub use summary::{
     Comparison, Consistency, MethodSummary, Nees, NisSummary, OverSeeds, Quantiles, RunOutcome, summarise,
 };

@@ -7,7 +7,7 @@ use crate::association::{Association, associate};
 use crate::consistency::normalised_squared_error;
 use crate::evaluate::trajectory;
 use adit_core::solution::Solution;
-use adit_core::time::Time;
+use adit_core::time::{Interval, Time};
 use adit_core::trajectory::{Pose, Trajectory};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector1, Vector3};
 
@@ -25,13 +25,31 @@ pub struct TrueState {
     pub velocity_m_s: Option<Vector3<f64>>,
 }
 
+/// Which moments of a run are judged: the solutions nearest after the points of a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moments {
+    /// From this time after the first truth on, s.
+    pub from_s: f64,
+    /// Time between two of them, s.
+    pub every_s: f64,
+    /// Only while the truth moves faster than this horizontally, m/s: over a second, so that one step does not count.
+    pub above_m_s: f64,
+}
+
+impl Default for Moments {
+    /// All of them, every [`GRID_S`].
+    fn default() -> Self {
+        Self { from_s: 0.0, every_s: GRID_S, above_m_s: 0.0 }
+    }
+}
+
 /// How a run is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunOptions {
     /// What is taken away before errors are taken.
     pub alignment: Alignment,
-    /// Judged from this time after the first truth on, s.
-    pub from_s: f64,
+    /// Which moments are judged.
+    pub moments: Moments,
     /// The method estimates positions and velocities, not attitude alone.
     pub positions: bool,
     /// The truth has attitudes.
@@ -66,7 +84,7 @@ pub fn run_errors(
         RigidMotion::identity()
     };
     let mut errors = RunErrors::default();
-    for (index, since_s, pose) in judged(solutions.iter().map(|s| s.time), &path, options.from_s) {
+    for (index, since_s, pose) in judged(solutions.iter().map(|s| s.time), &path, options.moments) {
         let solution = &solutions[index];
         errors.push(since_s, solution, &pose, velocity_at(truth, solution.time), &motion, options);
     }
@@ -81,14 +99,14 @@ pub fn path_errors_m(
     estimate: &Trajectory,
     truth: &Trajectory,
     alignment: Alignment,
-    from_s: f64,
+    moments: Moments,
 ) -> Result<Vec<f64>, EvaluationError> {
     let motion = motion(estimate, truth, alignment)?;
     let poses = estimate.poses();
     let error = |(index, _, pose): (usize, f64, Pose)| {
         (motion.position(&poses[index].position_m) - pose.position_m).xy().norm()
     };
-    let errors: Vec<f64> = judged(poses.iter().map(|pose| pose.time), truth, from_s).map(error).collect();
+    let errors: Vec<f64> = judged(poses.iter().map(|pose| pose.time), truth, moments).map(error).collect();
     if errors.is_empty() { Err(NOTHING_JUDGED) } else { Ok(errors) }
 }
 
@@ -96,12 +114,13 @@ pub fn path_errors_m(
 const NOTHING_JUDGED: EvaluationError =
     EvaluationError::TooFewPoses { what: "the judged part of the run", found: 0, expected: 1 };
 
-/// Of these times those that are judged, one in [`GRID_S`] at most: number, time since the first truth, s, and the truth then.
+/// Of these times those that are judged: number, time since the first truth, s, and the truth then.
 fn judged(
     times: impl Iterator<Item = Time>,
     truth: &Trajectory,
-    from_s: f64,
+    moments: Moments,
 ) -> impl Iterator<Item = (usize, f64, Pose)> {
+    let Moments { from_s, every_s, above_m_s } = moments;
     let first = truth.poses().first().map(|pose| pose.time);
     let mut next_s = from_s;
     times.enumerate().filter_map(move |(index, time)| {
@@ -111,9 +130,17 @@ fn judged(
             return None;
         }
         let pose = truth.at(time)?;
-        next_s = since_s + GRID_S;
-        Some((index, since_s, pose))
+        next_s += every_s * (1.0 + ((since_s - next_s) / every_s).max(0.0).floor());
+        let moves = above_m_s <= 0.0 || speed_m_s(truth, time).is_some_and(|speed| speed > above_m_s);
+        moves.then_some((index, since_s, pose))
     })
+}
+
+/// Horizontal speed of the truth over the second around a time, m/s; `None` at its ends.
+fn speed_m_s(truth: &Trajectory, time: Time) -> Option<f64> {
+    let half = Interval::from_nanos(500_000_000);
+    let (before, after) = (truth.at(time - half)?, truth.at(time + half)?);
+    Some((after.position_m - before.position_m).xy().norm())
 }
 
 fn motion(

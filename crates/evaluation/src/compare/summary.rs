@@ -168,6 +168,10 @@ pub struct Comparison {
     pub alignment: String,
     /// Judged from this time on, s.
     pub judged_from_s: f64,
+    /// Time between judged moments, s.
+    pub judged_every_s: f64,
+    /// Judged only while the truth moves faster than this, m/s.
+    pub judged_above_m_s: f64,
     /// By name, in the order in which they were named; a map in JSON.
     #[serde(serialize_with = "as_map")]
     pub methods: Vec<(String, MethodSummary)>,
@@ -299,25 +303,46 @@ fn nis(runs: &[&RunOutcome]) -> Result<Option<NisSummary>, EvaluationError> {
     Ok(Some(NisSummary { dimension, count, mean: sum / count as f64, bounds }))
 }
 
+impl Comparison {
+    /// Which moments are judged, in words.
+    pub(super) fn judged(&self) -> String {
+        let mut words = format!("from {} s on every {} s", self.judged_from_s, self.judged_every_s);
+        if self.judged_above_m_s > 0.0 {
+            words += &format!(" while moving faster than {} m/s", self.judged_above_m_s);
+        }
+        words
+    }
+}
+
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let runs = if self.seeds == 1 { "1 run".to_owned() } else { format!("{} runs", self.seeds) };
         let seeds = self.first_seed.map_or_else(String::new, |first| format!(", seeds from {first}"));
         writeln!(f, "{}: {runs}{seeds}", self.scenario)?;
-        writeln!(f, "aligned {}, judged from {} s on", self.alignment, self.judged_from_s)?;
+        writeln!(f, "aligned {}, judged {}", self.alignment, self.judged())?;
         let width = self.methods.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(6);
         writeln!(f)?;
-        writeln!(f, "{:width$}  all moments            largest error of a run, 95 % of the runs", "")?;
-        writeln!(f, "{:width$}  position  95 %  below 2 m   east    position  heading   velocity", "method")?;
+        writeln!(
+            f,
+            "{:width$}  position, all moments                       largest error of a run, 95 % of the runs",
+            ""
+        )?;
+        writeln!(
+            f,
+            "{:width$}  rmse      mean    95 %   largest  below 2 m   east    position  heading   velocity",
+            "method"
+        )?;
         for (name, method) in &self.methods {
             let all = method.position_m;
             let over = &method.over_seeds;
             let p95 = |quantiles: Option<Quantiles>| quantiles.map(|q| q.p95);
             writeln!(
                 f,
-                "{name:width$} {}{}{} {}{}{}{}",
+                "{name:width$} {}{}{}{}{} {}{}{}{}",
                 cell(all.map(|q| q.rmse), 6, " m"),
-                cell(p95(all), 5, " m"),
+                cell(all.map(|q| q.mean), 6, " m"),
+                cell(p95(all), 6, " m"),
+                cell(all.map(|q| q.max), 6, " m"),
                 cell(method.share_below_2m.map(|share| 100.0 * share), 6, " %"),
                 cell(p95(over.largest_east_m), 6, " m"),
                 cell(p95(over.largest_position_m), 6, " m"),

@@ -7,10 +7,12 @@ use crate::verbs::trials::Trial;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
 use adit_estimation::methods::{MethodError, MethodReport, MethodSettings, Nis};
+use adit_estimation::radio::RadioSite;
 use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
 use adit_evaluation::evaluate::trajectory;
 use adit_observation::Observation;
 use anyhow::{Context, Result, bail};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What came of it.
@@ -28,10 +30,12 @@ pub struct Entered {
 pub fn enter(
     trial: &Trial,
     contender: &Contender,
+    site: Option<&Arc<RadioSite>>,
     options: &RunOptions,
 ) -> Result<(Entered, Option<Trajectory>)> {
     let place = || format!("{}: {}", contender.name, trial.name);
-    let driven = with_settings!(contender.method, S => drive::<S>(trial, contender)).with_context(place)?;
+    let driven =
+        with_settings!(contender.method, S => drive::<S>(trial, contender, site)).with_context(place)?;
     let driven = match driven {
         Ok(driven) => driven,
         Err(error) => {
@@ -54,10 +58,14 @@ struct Driven {
     time_per_step_ns: f64,
 }
 
-fn drive<S: MethodSettings>(trial: &Trial, contender: &Contender) -> Result<Result<Driven, MethodError>> {
+fn drive<S: MethodSettings>(
+    trial: &Trial,
+    contender: &Contender,
+    site: Option<&Arc<RadioSite>>,
+) -> Result<Result<Driven, MethodError>> {
     let mut settings: S =
         config::overlay_table(&method::knowing::<S>(trial.sidecar.as_ref()), contender.config.clone())?;
-    if let Some(radio) = &trial.radio {
+    if let Some(radio) = site {
         settings = settings.at_site(radio);
     }
     let samples = trial.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();

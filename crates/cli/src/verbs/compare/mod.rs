@@ -1,6 +1,7 @@
 //! `adit compare`: methods against each other on a scenario over many seeds, or on a folder of recorded runs.
 
 mod contest;
+mod lessons;
 
 use crate::args::CompareArgs;
 use crate::interrupt;
@@ -10,10 +11,11 @@ use crate::scenario_file::{Contender, Contest};
 use crate::verbs::trials::{Trial, Trials};
 use adit_core::trajectory::Trajectory;
 use adit_evaluation::alignment::Alignment;
-use adit_evaluation::compare::{Comparison, RunOptions, RunOutcome, html, summarise};
+use adit_evaluation::compare::{Comparison, Moments, RunOptions, RunOutcome, html, summarise};
 use adit_evaluation::plot::{PathCurve, Role};
 use anyhow::{Result, bail};
 use contest::Entered;
+use lessons::Lessons;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,9 +25,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let contest = contest(&trials, args)?;
     let rules = Rules {
         alignment: args.align.or(contest.align).unwrap_or(Alignment::Se2),
-        from_s: args.from.unwrap_or(contest.judged_from_s),
+        moments: Moments { from_s: args.from.unwrap_or(contest.moments.from_s), ..contest.moments },
     };
-    let (runs, mut first) = run_all(&trials, &contest.contenders, &rules)?;
+    let (runs, mut first) = run_all(&trials, &contest, &rules)?;
     let mut methods = Vec::with_capacity(contest.contenders.len());
     for (nth, contender) in contest.contenders.iter().enumerate() {
         let outcomes: Vec<Option<RunOutcome>> = runs.iter().map(|run| run[nth].outcome.clone()).collect();
@@ -37,7 +39,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         seeds: trials.len(),
         first_seed: trials.first_seed(),
         alignment: rules.alignment.to_string(),
-        judged_from_s: rules.from_s,
+        judged_from_s: rules.moments.from_s,
+        judged_every_s: rules.moments.every_s,
+        judged_above_m_s: rules.moments.above_m_s,
         methods,
     };
     let mut warnings: Vec<String> = runs.iter().flatten().flat_map(|run| run.warnings.clone()).collect();
@@ -60,7 +64,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 /// How runs are judged.
 struct Rules {
     alignment: Alignment,
-    from_s: f64,
+    moments: Moments,
 }
 
 /// Who competes: those of the scenario, of which `--methods` chooses and to which it adds.
@@ -81,16 +85,20 @@ fn contest(trials: &Trials, args: &CompareArgs) -> Result<Contest> {
 }
 
 /// Every contender on every trial; the order is that of the trials, whatever the threads do.
-fn run_all(trials: &Trials, contenders: &[Contender], rules: &Rules) -> Result<(Vec<Vec<Entered>>, Paths)> {
+fn run_all(trials: &Trials, contest: &Contest, rules: &Rules) -> Result<(Vec<Vec<Entered>>, Paths)> {
+    let contenders = &contest.contenders;
     let progress = Progress::new("comparing", Unit::Samples, Some(trials.len() as u64));
     let done = AtomicU64::new(0);
     let judged = |index: usize| -> Result<(Vec<Entered>, Option<Paths>)> {
         interrupt::check()?;
-        let trial = trials.get(index)?;
+        let trial = trials.of_person(index, contest.person)?;
+        let mut lessons = Lessons::before(trials, contest, index);
         let mut paths = (index == 0).then(|| Paths::of(&trial)).transpose()?;
         let mut entered = Vec::with_capacity(contenders.len());
         for contender in contenders {
-            let (run, estimate) = contest::enter(&trial, contender, &rules.options(&trial, contender))?;
+            let (taught, site) = (lessons.taught(contender)?, lessons.site(contender, &trial)?);
+            let options = rules.options(&trial, contender);
+            let (run, estimate) = contest::enter(&trial, &taught, site.as_ref(), &options)?;
             if let Some(paths) = &mut paths {
                 paths.estimates.push(estimate);
             }
@@ -116,7 +124,7 @@ impl Rules {
         let positions = trial.has_position && contender.method.estimates_path();
         RunOptions {
             alignment: if positions { self.alignment } else { Alignment::None },
-            from_s: self.from_s,
+            moments: self.moments,
             positions,
             attitudes: trial.has_attitude,
         }

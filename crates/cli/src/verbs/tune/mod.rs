@@ -3,6 +3,7 @@
 mod objective;
 mod parameters;
 mod report;
+mod reports;
 mod runs;
 mod search;
 mod settings_file;
@@ -10,13 +11,18 @@ mod settings_file;
 use crate::args::TuneArgs;
 use crate::config;
 use crate::interrupt;
+use crate::method::MethodName;
 use crate::output::{self, Target};
 use crate::progress;
+use crate::verbs::trials::Trial;
+use adit_evaluation::alignment::Alignment;
+use adit_tuning::optimise::{Method as Optimiser, Search, Task};
 use anyhow::Result;
 use parameters::Parameters;
 use report::{BeforeAfter, Report};
-use runs::{Rules, Runs, mean_cost};
+use runs::{Judgement, Rules, Runs, mean_cost};
 use search::RecordedSearch;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// Searches, judges, writes, says what was found.
@@ -34,7 +40,7 @@ pub fn run(args: &TuneArgs) -> Result<()> {
 
     let rules = Rules::of(args);
     let search = RecordedSearch::begin(args, &rules, &parameters, &runs, &before)?;
-    let objective = objective::of(&runs, &parameters);
+    let objective = objective::of(args.method, &runs, &parameters)?;
     let unit = format!("{}²", rules.what.unit());
     let searched = search.run(&parameters, objective.as_ref(), &unit)?;
 
@@ -68,6 +74,39 @@ pub fn run(args: &TuneArgs) -> Result<()> {
     }
     search::forget(&args.out)?;
     say(args, &report)
+}
+
+/// A search without a record: before a comparison.
+pub struct TuningTask {
+    /// How to search.
+    pub optimiser: Optimiser,
+    /// Agents of a generation.
+    pub agents: usize,
+    /// Evaluations in all.
+    pub evaluations: usize,
+    /// Seed of every random draw.
+    pub seed: u64,
+}
+
+/// Settings of a method tuned on one run, over `config`: those that were searched.
+pub fn on_trial(
+    method: MethodName,
+    trial: Trial,
+    config: &toml::Table,
+    task: &TuningTask,
+) -> Result<toml::Table> {
+    let rules = Rules { what: Judgement::Position, alignment: Alignment::None, from_s: 0.0 };
+    let mut runs = Runs::of(method, vec![trial], config, rules)?;
+    for error in runs.judge_as_they_are() {
+        error?;
+    }
+    let (parameters, _) = Parameters::choose(method, &[], &runs.settings())?;
+    let objective = objective::of(method, &runs, &parameters)?;
+    let cost = |point: &[f64]| objective.cost(&parameters.values(point));
+    let TuningTask { optimiser, agents, evaluations, seed } = *task;
+    let task = Task { bounds: parameters.bounds(), agents, evaluations, seed };
+    let found = Search::new(optimiser, task, &cost)?.run();
+    Ok(parameters.table(&parameters.rounded(&found.point)))
 }
 
 /// Values with those taken back that are worth nothing: an error that does not depend on a parameter must not move it.
@@ -109,10 +148,10 @@ fn answered(errors: Vec<Result<f64>>) -> Vec<Option<f64>> {
 fn say(args: &TuneArgs, report: &Report) -> Result<()> {
     let mut table = report.to_string();
     if let Target::File(path) = &args.out {
-        table += &format!("\nsettings    {}\n", path.display());
+        writeln!(table, "\nsettings    {}", path.display())?;
     }
     if let Some(path) = &args.plot {
-        table += &format!("figure      {}\n", path.display());
+        writeln!(table, "figure      {}", path.display())?;
     }
     if args.out == Target::Stdout || args.json == Some(Target::Stdout) {
         output::tell(&table);

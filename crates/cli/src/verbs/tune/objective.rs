@@ -5,7 +5,10 @@
 //! in [`of`]. Before and after the search everything is judged by whole logs all the same.
 
 use super::parameters::Parameters;
+use super::reports::Reports;
 use super::runs::{Runs, WholeLogs};
+use crate::method::MethodName;
+use anyhow::Result;
 
 /// Cost of a run from which nothing comes: more than any error in a mine, and still a number.
 pub const FAILED: f64 = 1e12;
@@ -17,6 +20,15 @@ pub trait Objective: Sync {
 }
 
 /// The objective of a method.
-pub fn of<'a>(runs: &'a Runs, parameters: &'a Parameters) -> Box<dyn Objective + 'a> {
-    Box::new(WholeLogs { runs, parameters })
+pub fn of<'a>(
+    method: MethodName,
+    runs: &'a Runs,
+    parameters: &'a Parameters,
+) -> Result<Box<dyn Objective + 'a>> {
+    if method == MethodName::PdrWifi
+        && let Some(reports) = Reports::of(runs, parameters)?
+    {
+        return Ok(Box::new(reports));
+    }
+    Ok(Box::new(WholeLogs { runs, parameters }))
 }

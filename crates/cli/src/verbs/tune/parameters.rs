@@ -3,6 +3,7 @@
 //! A coordinate of a point goes from −1, the least value, over 0, the setting as it is, to 1, the largest; between them it is
 //! even in the logarithm. So every optimiser begins about the setting as it is, and one that pulls towards zero pulls towards that.
 
+use crate::config;
 use crate::method::MethodName;
 use adit_estimation::methods::NoiseParameter;
 use anyhow::{Result, bail};
@@ -91,7 +92,7 @@ impl Parameters {
                 warnings.push(what);
                 continue;
             };
-            if let Some(other) = values.iter().find(|value| **value != default) {
+            if let Some(other) = values.iter().find(|value| value.to_bits() != default.to_bits()) {
                 warnings.push(format!(
                     "{path} differs between the runs by their sidecars ({default} and {other}): one value for all is searched, from the first"
                 ));
@@ -124,6 +125,21 @@ impl Parameters {
     /// The settings as they are.
     pub fn defaults(&self) -> Vec<f64> {
         self.0.iter().map(|parameter| parameter.default).collect()
+    }
+
+    /// Values as a table of their own.
+    pub fn table(&self, values: &[f64]) -> toml::Table {
+        let mut all = toml::Table::new();
+        for (parameter, value) in self.0.iter().zip(values) {
+            let mut names: Vec<&str> = parameter.name.split('.').collect();
+            let Some(last) = names.pop() else { continue };
+            let mut inner = toml::Table::from_iter([(last.to_owned(), Value::Float(*value))]);
+            for name in names.into_iter().rev() {
+                inner = toml::Table::from_iter([(name.to_owned(), Value::Table(inner))]);
+            }
+            config::merge(&mut all, inner);
+        }
+        all
     }
 
     /// Puts values in the place of those of a table.
@@ -193,7 +209,7 @@ mod tests {
     #[test]
     fn a_default_on_its_bound_is_searched_on_the_other_side() {
         let lowest = Parameter { least: 1.0, ..parameter() };
-        assert_eq!(lowest.bounds(), [0.0, 1.0]);
+        assert_eq!(lowest.bounds().map(f64::to_bits), [0.0_f64, 1.0].map(f64::to_bits));
         assert_eq!(lowest.at_bound(1.0), None);
     }
 }

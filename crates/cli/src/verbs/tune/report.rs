@@ -54,6 +54,13 @@ pub struct FoundParameter {
     at_bound: Option<Bound>,
 }
 
+impl FoundParameter {
+    /// Nothing better than the setting as it was.
+    pub fn is_as_it_was(&self) -> bool {
+        self.found.to_bits() == self.default.to_bits()
+    }
+}
+
 /// One run: root of its mean squared error, m or deg; none where the method failed.
 #[derive(Debug, Serialize)]
 pub struct JudgedRun {
@@ -155,7 +162,7 @@ impl Report {
         for parameter in &self.parameters {
             let FoundParameter { name, default, found, least, largest, at_bound } = parameter;
             let note = match at_bound {
-                None if found == default => "as it was",
+                None if parameter.is_as_it_was() => "as it was",
                 None => "",
                 Some(Bound::Least) => "at its least",
                 Some(Bound::Largest) => "at its largest",

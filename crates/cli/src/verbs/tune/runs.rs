@@ -7,6 +7,7 @@ use crate::config;
 use crate::interrupt;
 use crate::method::{self, MethodName, with_settings};
 use crate::progress::{Progress, Unit};
+use crate::radio_site;
 use crate::verbs::trials::{Trial, Trials};
 use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
@@ -14,7 +15,7 @@ use adit_estimation::methods::MethodSettings;
 use adit_evaluation::alignment::{Alignment, align_attitudes};
 use adit_evaluation::ape::attitude_error;
 use adit_evaluation::association::{Association, associate};
-use adit_evaluation::compare::path_errors_m;
+use adit_evaluation::compare::{Moments, path_errors_m};
 use adit_evaluation::marks::Judged;
 use adit_observation::sidecar::Sidecar;
 use anyhow::{Context, Result, bail};
@@ -79,7 +80,7 @@ impl Rules {
 
 /// The runs, in memory.
 pub struct Runs {
-    runs: Vec<Run>,
+    all: Vec<Run>,
     rules: Rules,
     drive: fn(&Trial, toml::Table) -> Result<Trajectory>,
 }
@@ -106,39 +107,59 @@ impl Runs {
     pub fn read(args: &TuneArgs, paths: &[PathBuf], config: &toml::Table) -> Result<Self> {
         let rules = Rules::of(args);
         let trials = Trials::recorded(paths)?;
+        let radio = radio_site::read(args.mine.as_deref(), &args.radio)?;
         let progress = Progress::new("reading", Unit::Samples, Some(trials.len() as u64));
         let done = AtomicU64::new(0);
         let read = |index: usize| -> Result<Run> {
             interrupt::check()?;
-            let trial = trials.get(index)?;
+            let mut trial = trials.get(index)?;
+            trial.radio.clone_from(&radio);
             let run = Run::new(args.method, trial, config, &rules)?;
             progress.at(done.fetch_add(1, Ordering::Relaxed) + 1);
             Ok(run)
         };
-        let runs = (0..trials.len()).into_par_iter().map(read).collect::<Result<Vec<_>>>()?;
-        Ok(Self { runs, rules, drive: with_settings!(args.method, S => drive::<S>) })
+        let all = (0..trials.len()).into_par_iter().map(read).collect::<Result<Vec<_>>>()?;
+        Ok(Self::new(args.method, all, rules))
+    }
+
+    /// Runs that are in memory already.
+    pub fn of(method: MethodName, trials: Vec<Trial>, config: &toml::Table, rules: Rules) -> Result<Self> {
+        let runs = trials.into_iter().map(|trial| Run::new(method, trial, config, &rules));
+        Ok(Self::new(method, runs.collect::<Result<_>>()?, rules))
+    }
+
+    fn new(method: MethodName, all: Vec<Run>, rules: Rules) -> Self {
+        Self { all, rules, drive: with_settings!(method, S => drive::<S>) }
+    }
+
+    /// Something of each: of its log, its settings as they are and its truth.
+    pub fn map<T: Send>(
+        &self,
+        of: impl Fn(&Trial, &toml::Table, &Trajectory) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
+        self.all.par_iter().map(|run| of(&run.trial, &run.settings, &run.truth)).collect()
     }
 
     /// Names of the logs.
     pub fn logs(&self) -> Vec<String> {
-        self.runs.iter().map(|run| run.trial.name.clone()).collect()
+        self.all.iter().map(|run| run.trial.name.clone()).collect()
     }
 
     /// Settings of each as they are.
     pub fn settings(&self) -> Vec<toml::Table> {
-        self.runs.iter().map(|run| run.settings.clone()).collect()
+        self.all.iter().map(|run| run.settings.clone()).collect()
     }
 
     /// Judges the settings as they are: mean squared error of each run, or why there is none. What others say is held against it.
     pub fn judge_as_they_are(&mut self) -> Vec<Result<f64>> {
         let judged: Vec<Result<Errors>> =
-            self.runs.par_iter().map(|run| self.errors(run, run.settings.clone())).collect();
+            self.all.par_iter().map(|run| self.errors(run, run.settings.clone())).collect();
         let keep = |(run, errors): (&mut Run, Result<Errors>)| {
             let Errors { mean_square, moments } = errors?;
             run.moments = moments;
             Ok(mean_square)
         };
-        self.runs.iter_mut().zip(judged).map(keep).collect()
+        self.all.iter_mut().zip(judged).map(keep).collect()
     }
 
     /// Judges values of the parameters: mean squared error of each run, or why there is none.
@@ -157,7 +178,7 @@ impl Runs {
             }
             Ok(mean_square)
         };
-        self.runs.par_iter().map(judged).collect()
+        self.all.par_iter().map(judged).collect()
     }
 
     fn errors(&self, run: &Run, settings: toml::Table) -> Result<Errors> {
@@ -208,7 +229,8 @@ impl Rules {
     }
 
     fn of_positions(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
-        Ok(Errors::of(path_errors_m(estimate, truth, self.alignment, self.from_s)?.into_iter()))
+        let moments = Moments { from_s: self.from_s, ..Moments::default() };
+        Ok(Errors::of(path_errors_m(estimate, truth, self.alignment, moments)?.into_iter()))
     }
 
     fn of_attitudes(&self, estimate: &Trajectory, truth: &Trajectory) -> Result<Errors> {
@@ -240,7 +262,10 @@ fn settings<S: MethodSettings>(sidecar: Option<&Sidecar>, config: &toml::Table) 
 }
 
 fn drive<S: MethodSettings>(trial: &Trial, settings: toml::Table) -> Result<Trajectory> {
-    let settings: S = settings.try_into()?;
+    let mut settings: S = settings.try_into()?;
+    if let Some(radio) = &trial.radio {
+        settings = settings.at_site(radio);
+    }
     // Poses alone: solutions with their covariances would take ten times the memory, and as much time.
     let mut poses = Vec::new();
     trial.run(settings.start()?.as_mut(), |Solution { time, position_m, attitude, .. }| {

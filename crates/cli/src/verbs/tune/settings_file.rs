@@ -13,7 +13,7 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 pub fn text(args: &TuneArgs, config: &str, parameters: &Parameters, report: &Report) -> Result<String> {
     let mut document: DocumentMut = config.parse().context("--config")?;
     // What is as it was is left to the sidecars of the logs to come.
-    let changed = |(parameter, found): &(&Parameter, &FoundParameter)| found.found != parameter.default;
+    let changed = |(_, found): &(&Parameter, &FoundParameter)| !found.is_as_it_was();
     for (parameter, found) in parameters.0.iter().zip(&report.parameters).filter(changed) {
         put(&mut document, &parameter.name, found.found)
             .ok_or_else(|| anyhow!("--config: {} has no place in it", parameter.name))?;
@@ -92,6 +92,12 @@ fn command(args: &TuneArgs) -> String {
     }
     if let Some(config) = &args.config {
         flag("--config", path(config));
+    }
+    if let Some(mine) = &args.mine {
+        flag("--mine", path(mine));
+    }
+    for model in &args.radio {
+        flag("--radio", path(model));
     }
     if let Some(alignment) = args.align {
         flag("--align", alignment.to_string());

@@ -125,8 +125,8 @@ impl MethodSettings for PdrParams {
     type Report = PdrReport;
 
     const NAME: &'static str = NAME;
-    const RADIO: RadioUse = RadioUse::Optional;
     const NOISE: &'static [&'static [NoiseParameter]] = &[&params::NOISE];
+    const RADIO: RadioUse = RadioUse::Optional;
 
     fn knowing(mut self, known: &Known) -> Self {
         self.attitude = self.attitude.knowing(known);

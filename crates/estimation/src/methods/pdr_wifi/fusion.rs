@@ -17,6 +17,7 @@
 //! velocity is that of the difference of two fixes, `2 σ² / Δt²`. The errors of that velocity and of the position hang together, which the paper's R
 //! cannot hold: the covariance is what the filter needs for its gain, not a statement about errors (`docs/methods/pdr-wifi.md`).
 
+use crate::methods::NoiseParameter;
 use crate::settings::{first_unusable, positive};
 use adit_core::nalgebra::{Vector2, Vector4};
 use alloc::vec::Vec;
@@ -76,6 +77,36 @@ impl Default for FusionParams {
 }
 
 impl FusionParams {
+    /// What tuning searches: the factors `q_best` and `b_best`, in the order of [`Self::set_noise`].
+    pub const NOISE: [NoiseParameter; 8] = [
+        NoiseParameter::new("fusion.process_scale.east", 1e-4, 1e4),
+        NoiseParameter::new("fusion.process_scale.north", 1e-4, 1e4),
+        NoiseParameter::new("fusion.process_scale.east_velocity", 1e-4, 1e4),
+        NoiseParameter::new("fusion.process_scale.north_velocity", 1e-4, 1e4),
+        NoiseParameter::new("fusion.measurement_scale.east", 1e-4, 1e4),
+        NoiseParameter::new("fusion.measurement_scale.north", 1e-4, 1e4),
+        NoiseParameter::new("fusion.measurement_scale.east_velocity", 1e-4, 1e4),
+        NoiseParameter::new("fusion.measurement_scale.north_velocity", 1e-4, 1e4),
+    ];
+
+    /// Sets the noise parameter of this number in [`Self::NOISE`]; beyond the last nothing happens.
+    pub fn set_noise(&mut self, number: usize, value: f64) {
+        let (q, r) = (&mut self.process_scale, &mut self.measurement_scale);
+        let all = [
+            &mut q.east,
+            &mut q.north,
+            &mut q.east_velocity,
+            &mut q.north_velocity,
+            &mut r.east,
+            &mut r.north,
+            &mut r.east_velocity,
+            &mut r.north_velocity,
+        ];
+        if let Some(place) = all.into_iter().nth(number) {
+            *place = value;
+        }
+    }
+
     /// The first setting that cannot be worked with, by name.
     pub(super) fn unusable(&self) -> Option<&'static str> {
         let all = |scale: &Components| {

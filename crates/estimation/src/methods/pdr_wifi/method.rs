@@ -4,7 +4,7 @@ use super::fusion::{Fused, FusionParams, Report};
 use super::{NAME, PdrWifi};
 use crate::methods::pdr::{Direction, PdrParams, PdrReport};
 use crate::methods::{
-    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, RadioUse,
+    Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, RadioUse,
 };
 use crate::radio::locator::{LocatorMethod, LocatorParams};
 use crate::radio::scan::ScanParams;
@@ -151,6 +151,7 @@ impl MethodSettings for PdrWifiParams {
 
     const NAME: &'static str = NAME;
     const RADIO: RadioUse = RadioUse::Needed;
+    const NOISE: &'static [&'static [NoiseParameter]] = &[&FusionParams::NOISE];
 
     fn knowing(mut self, known: &Known) -> Self {
         self.pdr = self.pdr.knowing(known);
