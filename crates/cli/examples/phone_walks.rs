@@ -5,8 +5,13 @@
 //! The phone has a file for each sensor, on stamps of their own. Accelerometer and magnetometer are interpolated at the stamps of the
 //! gyro; the joined log is tracked with one setting, with the magnetometer and without. Errors are those of `adit eval --align se2`: at the
 //! waypoints, after one rotation and shift of the whole path.
+//!
+//! A second table is in the frame of the building, nothing aligned: the phone is declared as held with its top edge forward, the first waypoint
+//! is told as a fix (or not), and signal strengths come with it: BLE by the places of the beacons and the path loss that `adit` takes for one that is
+//! not calibrated, Wi-Fi by a map that `adit calibrate fingerprint` makes of the other walks, tracked through their waypoints. Every walk of the folder goes
+//! through the same commands.
 
-use adit_core::nalgebra::Vector3;
+use adit_core::nalgebra::{Vector2, Vector3};
 use adit_core::time::Time;
 use adit_observation::csv_log::{CsvLogWriter, Sensors};
 use adit_observation::{ImuSample, MagneticSample, Observation, SensorRows};
@@ -37,7 +42,7 @@ fn main() -> Result<()> {
     let mut text = String::from(
         "| walk | steps | way, m | nine axes: RMSE / median / max, m | six axes |\n|---|---:|---:|---:|---:|\n",
     );
-    for walk in walks {
+    for walk in &walks {
         let scratch = tempfile::tempdir()?;
         let truth = scratch.path().join("truth.csv");
         fs::write(&truth, truth_of(&folder.join(format!("{walk}{WAYPOINTS}")))?)?;
@@ -45,14 +50,153 @@ fn main() -> Result<()> {
         let mut told = (0.0, 0.0);
         for sensors in [Sensors::ImuMagnetic, Sensors::Imu] {
             let log = scratch.path().join("joined_imu.csv");
-            join(&folder, &walk, sensors, &log)?;
+            join(&folder, walk, sensors, &log)?;
             let (errors, steps, way_m) = judge(adit, &log, &truth)?;
             told = (steps, way_m);
             cells.push(errors);
         }
         writeln!(text, "| {walk} | {} | {:.1} | {} |", told.0, told.1, cells.join(" | "))?;
     }
+    text += &in_the_building(adit, &folder, &walks)?;
     fs::write(out, text).with_context(|| out.display().to_string())
+}
+
+/// How a phone is held that is looked at, and the declination of Nuremberg in 2023.
+const HELD: &str = "[mounting]\nlocation = \"hand\"\nrotation = \"x-right, y-forward, z-up\"\n\n[frame]\nmagnetic_declination_deg = 4.2\n";
+/// A phone in the hand is this high over the floor; the place of beacons has no height but their floor.
+const SETTINGS: &str = "[radio.locator]\nheight_m = 1.2\n";
+/// From floor to floor, and of a beacon over its floor, m.
+const HEIGHTS_M: (f64, f64) = (4.0, 2.5);
+/// How well the place of a waypoint is known, m.
+const WAYPOINT_SIGMA_M: f64 = 0.3;
+/// The floor of all walks.
+const FLOOR: f64 = -2.0;
+
+/// Errors at the waypoints but the first, in the frame of the building, as a table.
+pub fn in_the_building(adit: &Path, folder: &Path, walks: &[String]) -> Result<String> {
+    let scratch = tempfile::tempdir()?;
+    let file = |name: &str| scratch.path().join(name);
+    fs::write(file("site.toml"), beacons(folder)?)?;
+    fs::write(file("settings.toml"), SETTINGS)?;
+    for walk in walks {
+        join(folder, walk, Sensors::ImuMagnetic, &file(&format!("{walk}_imu.csv")))?;
+        fs::write(file(&format!("{walk}_imu.toml")), HELD)?;
+        let waypoints = waypoints(folder, walk)?;
+        fs::write(file(&format!("{walk}_fixes.csv")), fixes(&waypoints))?;
+        fs::write(file(&format!("{walk}_start.csv")), fixes(&waypoints[..1]))?;
+        // The way through all waypoints, where the Wi-Fi of this walk was heard.
+        fs::copy(folder.join(format!("{walk}_wifi.csv")), file(&format!("{walk}_rssi.csv")))?;
+        let logs = [file(&format!("{walk}_imu.csv")), file(&format!("{walk}_fixes.csv"))];
+        track(adit, &logs, &[], &file(&format!("{walk}_truth.tum")))?;
+    }
+    let mut text = String::from("\n| in the frame of the building: median / 75 %, m |");
+    for walk in walks {
+        write!(text, " {walk} |")?;
+    }
+    text += " all |\n|---|";
+    text += &"---:|".repeat(walks.len() + 1);
+    text.push('\n');
+    for (name, start, ble, wifi) in [
+        ("first waypoint told, no radio", true, false, false),
+        ("first waypoint told, BLE", true, true, false),
+        ("first waypoint told, Wi-Fi map of the others", true, false, true),
+        ("no waypoint told, BLE", false, true, false),
+        ("no waypoint told, BLE and Wi-Fi map of the others", false, true, true),
+    ] {
+        write!(text, "| {name} |")?;
+        let mut all = Vec::new();
+        for walk in walks {
+            let mut logs = vec![file(&format!("{walk}_imu.csv"))];
+            let mut known: Vec<(&str, PathBuf)> = vec![("--config", file("settings.toml"))];
+            if start {
+                logs.push(file(&format!("{walk}_start.csv")));
+            }
+            if ble {
+                logs.push(folder.join(format!("{walk}_ble.csv")));
+                known.push(("--mine", file("site.toml")));
+            }
+            if wifi {
+                logs.push(folder.join(format!("{walk}_wifi.csv")));
+                let map = file(&format!("{walk}_map.json"));
+                if !map.exists() {
+                    let others = walks.iter().filter(|other| *other != walk);
+                    let mut calibrate = Command::new(adit);
+                    calibrate.args(["calibrate", "fingerprint"]);
+                    run(calibrate
+                        .args(others.map(|other| file(&format!("{other}_rssi.csv"))))
+                        .arg("-o")
+                        .arg(&map))?;
+                }
+                known.push(("--radio", map));
+            }
+            let path = file("path.tum");
+            track(adit, &logs, &known, &path)?;
+            let path = adit_observation::truth::read(&path)?.trajectory;
+            let error =
+                |(time, place): &(Time, Vector2<f64>)| Some((path.at(*time)?.position_m.xy() - place).norm());
+            let errors: Vec<f64> = waypoints(folder, walk)?.iter().skip(1).filter_map(error).collect();
+            write!(text, " {} |", quartiles(errors.clone()))?;
+            all.extend(errors);
+        }
+        writeln!(text, " {} |", quartiles(all))?;
+    }
+    Ok(text)
+}
+
+fn track(adit: &Path, logs: &[PathBuf], known: &[(&str, PathBuf)], out: &Path) -> Result<()> {
+    let mut track = Command::new(adit);
+    track.arg("track").args(logs).args(["--method", "pdr", "-o"]).arg(out);
+    for (flag, file) in known {
+        track.arg(flag).arg(file);
+    }
+    run(&mut track).map(drop)
+}
+
+/// Beacons of the building as a mine file.
+fn beacons(folder: &Path) -> Result<String> {
+    let file = folder.join("beacons.csv");
+    let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+    let mut site = String::from("name = \"museum\"\ngrid = { kind = \"local\" }\n");
+    for line in text.lines().skip(1) {
+        let [id, x, y, floor] = line.split(',').collect::<Vec<_>>()[..] else { bail!("{line}: four fields") };
+        let up = HEIGHTS_M.0 * (floor.trim().parse::<f64>()? - FLOOR) + HEIGHTS_M.1;
+        writeln!(site, "[[access_points]]\nid = \"{id}\"\nradio = \"ble\"\nposition_m = [{x}, {y}, {up}]")?;
+    }
+    Ok(site)
+}
+
+/// Time and place of every waypoint.
+fn waypoints(folder: &Path, walk: &str) -> Result<Vec<(Time, Vector2<f64>)>> {
+    let file = folder.join(format!("{walk}{WAYPOINTS}"));
+    let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+    let waypoint = |line: &str| {
+        let numbers =
+            line.split(',').take(3).map(|field| Ok(field.parse()?)).collect::<Result<Vec<f64>>>()?;
+        let [seconds, x, y] = numbers[..] else { bail!("{line}: three numbers") };
+        Ok((Time::from_seconds(seconds).context("no time")?, Vector2::new(x, y)))
+    };
+    text.lines().skip(1).map(waypoint).collect()
+}
+
+fn fixes(waypoints: &[(Time, Vector2<f64>)]) -> String {
+    let row = |(time, place): &(Time, Vector2<f64>)| {
+        format!("{time},{},{},{WAYPOINT_SIGMA_M},survey\n", place.x, place.y)
+    };
+    let rows: String = waypoints.iter().map(row).collect();
+    format!("time_s,fix_east_m,fix_north_m,fix_sigma_m,fix_source\n{rows}")
+}
+
+/// Median and third quartile, by straight lines between ranks.
+fn quartiles(mut errors: Vec<f64>) -> String {
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let rank = share * (errors.len().max(1) - 1) as f64;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank in the list")]
+        let low = rank.floor() as usize;
+        let (a, b) = (errors.get(low), errors.get(low + 1).or(errors.get(low)));
+        a.zip(b).map_or(f64::NAN, |(a, b)| a + (b - a) * rank.fract())
+    };
+    format!("{:.2} / {:.2}", at(0.5), at(0.75))
 }
 
 /// Time and vector of every row of the log of one sensor.

@@ -232,7 +232,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "F.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
-    /// The mine: TOML, JSON or GeoJSON, or a bare list of places, CSV with `anchor_id,x_m,y_m,z_m`
+    /// The mine, in any form of a mine file, or a bare list of places: CSV with `anchor_id,x_m,y_m,z_m`
     #[arg(long, value_name = "MINE", value_hint = ValueHint::FilePath)]
     pub mine: Option<PathBuf>,
 

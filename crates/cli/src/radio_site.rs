@@ -55,7 +55,7 @@ fn with_model(site: RadioSite, path: &Path) -> Result<RadioSite> {
     match kind {
         ModelKind::PathLoss => {
             let model: PathLossModel = if json { of_json(path, &text)? } else { config::parse(path, &text)? };
-            Ok(site.with_path_loss(model))
+            Ok(site.with_path_loss(&model))
         }
         ModelKind::Fingerprint => {
             let model: FingerprintModel =

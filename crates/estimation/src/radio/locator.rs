@@ -393,16 +393,17 @@ fn map_of(site: &RadioSite, params: &LocatorParams, emitters: &[(Emitter, Option
     };
     let belief = params.belief.unwrap_or(belief);
     // The lattice has one floor, number 0.
-    let here = params.floor.or_else(|| most_common(emitters.iter().filter_map(|(_, floor)| *floor)));
+    let here = params.floor.or_else(|| most_common(emitters));
     let apart = |floor: Option<i32>| Some(floor?.saturating_sub(here?));
     let emitters: Vec<_> = emitters.iter().map(|(emitter, floor)| (*emitter, apart(*floor))).collect();
     let map = RadioMap::of_emitters(lattice, &emitters, 0.0, &storeys, &hearing)?;
     Some(Model::Map { map, belief })
 }
 
-fn most_common(floors: impl Iterator<Item = i32> + Clone) -> Option<i32> {
-    let count = |floor: &i32| floors.clone().filter(|other| other == floor).count();
-    floors.clone().max_by_key(count)
+/// The floor of most.
+fn most_common(emitters: &[(Emitter, Option<i32>)]) -> Option<i32> {
+    let floors = || emitters.iter().filter_map(|(_, floor)| *floor);
+    floors().max_by_key(|floor| floors().filter(|other| other == floor).count())
 }
 
 fn along_roadways(site: &RadioSite, params: &LocatorParams) -> Option<Lattice> {

@@ -172,18 +172,15 @@ impl Gathering {
             (time >= single.first && time - single.first < length)
                 || (time < single.first && single.last - time < length)
         };
-        let index = match self.open.iter().position(fits) {
-            Some(index) => index,
-            None => {
-                if self.open.len() >= most {
-                    // Nobody asks for reports: the oldest goes.
-                    self.open.pop_front();
-                }
-                let index = self.open.partition_point(|single| single.first < time);
-                self.open.insert(index, Single { first: time, last: time, sums: Vec::new() });
-                index
-            }
-        };
+        let known = self.open.iter().position(fits);
+        if known.is_none() && self.open.len() >= most {
+            // Nobody asks for reports: the oldest goes.
+            self.open.pop_front();
+        }
+        let index = known.unwrap_or_else(|| self.open.partition_point(|single| single.first < time));
+        if known.is_none() {
+            self.open.insert(index, Single { first: time, last: time, sums: Vec::new() });
+        }
         self.open.get_mut(index)
     }
 

@@ -148,7 +148,7 @@ impl RadioSite {
 
     /// The same with what `adit calibrate pathloss` found.
     #[must_use]
-    pub fn with_path_loss(mut self, model: PathLossModel) -> Self {
+    pub fn with_path_loss(mut self, model: &PathLossModel) -> Self {
         for access_point in &model.access_points {
             let floor = model.floors.get(&access_point.id).copied();
             let calibrated = Transmitter { floor, ..Transmitter::of(access_point) };

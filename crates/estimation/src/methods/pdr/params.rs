@@ -155,7 +155,7 @@ impl Default for PdrRadio {
             // and that is about as far as it is large.
             correlation_m: 3.0,
             correlation_sigmas: 1.0,
-            correlation_s: 30.0,
+            correlation_s: 120.0,
         }
     }
 }

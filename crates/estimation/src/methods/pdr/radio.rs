@@ -1,16 +1,18 @@
 //! Positions by the radio of the site, as fixes for the filter.
 //!
 //! Their errors are alike from one to the next: shadowing belongs to the place, and the body that shadows a tag stays where it is for a
-//! while. With a correlation ρ to the fix before, which had the variance u, a fix of variance v adds to what is known of the mean (from the inverse of
-//! `[[u, ρ√uv], [ρ√uv, v]]`; Bar-Shalom & Campo 1986 combine tracks so):
+//! while. Readings of one variance v whose errors are a first-order Markov process know the mean as well as (the information `1ᵀ R⁻¹ 1` of the
+//! correlation matrix `ρ^|i−j|`)
 //!
 //! ```text
-//! (1/v) (1 − ρ √(v/u))² / (1 − ρ²),   ρ = exp(−Δs / D − Δt / T);   of equals (1/v) (1 − ρ) / (1 + ρ)
+//! 1 + (n − 1) (1 − ρ) / (1 + ρ),   ρ = exp(−Δs / D − Δt / T)
 //! ```
 //!
-//! Its covariance grows by that share. Less sure ones than √u/ρ add nothing, much surer ones count whole: never more than whole, since ρ is a guess. Who stands learns
-//! little from hearing the same over and over. D is a length of shadowing, or the standard deviation of the fix where that is more: an
-//! error of 30 m that comes of far transmitters ends where others are near (Gudmundson 1991 has the exponential of the distance).
+//! independent ones: each but the first counts for the share (1 − ρ)/(1 + ρ), and its covariance grows by that. One that is surer than what came before, of least
+//! variance u, also counts for what it is surer by, 1 − √ρ v/u; u is forgotten as the errors change, by √ρ from fix to fix, so that sure and unsure ones in
+//! turn count as the sure ones would. Who stands learns little from hearing the same over and over. D is a length of shadowing, or the standard
+//! deviation of the fix where that is more: an error of 30 m that comes of far transmitters ends where others are near (Gudmundson 1991 has the
+//! exponential of the distance).
 
 use super::NAME;
 use super::params::{PdrParams, PdrRadio};
@@ -34,7 +36,8 @@ pub struct RadioFixes {
 struct Last {
     time: Time,
     way_m: Vector2<f64>,
-    variance: f64,
+    /// Least variance lately, m².
+    least: f64,
 }
 
 impl RadioFixes {
@@ -74,14 +77,15 @@ impl RadioFixes {
         let variance = fix.covariance_m2.trace();
         let alike_m = correlation_m.max(correlation_sigmas * libm::sqrt(variance));
         let last = &mut self.last[fix.source as usize];
-        let share = last.map_or(1.0, |Last { time, way_m: before_m, variance: before }| {
+        let (share, least) = last.map_or((1.0, variance), |Last { time, way_m: before_m, least }| {
             let (walked_m, passed_s) = ((way_m - before_m).norm(), (fix.time - time).seconds().abs());
-            let correlation = libm::exp(-walked_m / alike_m - passed_s / correlation_s);
-            let own = (1.0 - correlation * libm::sqrt(variance / before)).max(0.0);
-            // Two at one time and place: 0/0, of equals no news.
-            (own * own / (1.0 - correlation * correlation).max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 1.0)
+            let exponent = walked_m / alike_m + passed_s / correlation_s;
+            let least = least * libm::exp(0.5 * exponent);
+            // (1 − ρ)/(1 + ρ), and 1 − √ρ v/u.
+            let share = libm::tanh(0.5 * exponent).max(1.0 - variance / least);
+            (share.max(LEAST_SHARE), least.min(variance))
         });
-        *last = Some(Last { time: fix.time, way_m: *way_m, variance });
+        *last = Some(Last { time: fix.time, way_m: *way_m, least });
         (PositionFix { covariance_m2: fix.covariance_m2 / share, ..*fix }, share)
     }
 }
@@ -96,9 +100,9 @@ mod tests {
     use crate::methods::pdr::PdrParams;
     use crate::radio::RadioSite;
     use adit_core::frames::Position;
-    use adit_core::nalgebra::Matrix2;
     use adit_mine::plan::{Anchor, Grid, MinePlan};
     use alloc::sync::Arc;
+    use alloc::vec::Vec;
     use nalgebra::{DMatrix, DVector};
 
     /// Walks in 2 m and 3 s between fixes; `sigmas` as given.
@@ -137,24 +141,20 @@ mod tests {
     }
 
     #[test]
-    fn of_two_unlike_fixes_neither_counts_more_than_whole() {
-        let whole = |sigmas: &[f64]| sigmas.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>();
-        for sigmas in [[3.0, 2.5], [3.0, 4.0], [1.0, 30.0], [30.0, 1.0]] {
-            let (found, radio) = information(&sigmas);
-            let correlation = libm::exp(-2.0 / radio.correlation_m - 3.0 / radio.correlation_s);
-            let [u, v] = sigmas.map(|sigma| sigma * sigma);
-            let cross = correlation * libm::sqrt(u * v);
-            let exact = Matrix2::new(u, cross, cross, v).try_inverse().unwrap().sum();
-            assert!(found <= whole(&sigmas) * (1.0 + 1e-12), "{sigmas:?}");
-            // Where neither bound is met it is exact.
-            let own = 1.0 - correlation * libm::sqrt(v / u);
-            let share = own * own / (1.0 - correlation * correlation);
-            if own > 0.1 && share < 1.0 {
-                assert!((found - exact).abs() < 1e-12, "{sigmas:?}: {found} {exact}");
-            }
-        }
-        // Ten times less sure than the one before: nothing new, to a thousandth of its own.
-        assert!((information(&[1.0, 30.0]).0 - 1.0) < 1e-5);
+    fn sure_and_unsure_fixes_in_turn_count_as_sure_ones_would() {
+        let alike = information(&[2.0; 40]).0;
+        let turns: Vec<f64> = (0..40).map(|k| if k % 2 == 0 { 2.0 } else { 4.0 }).collect();
+        let (in_turn, _) = information(&turns);
+        assert!((0.8 * alike..1.2 * alike).contains(&in_turn), "{in_turn} {alike}");
+        // One sure fix after many unsure ones counts whole, within what those had told.
+        let mut sigmas = [20.0; 20];
+        let (before, _) = information(&sigmas[..19]);
+        sigmas[19] = 1.0;
+        let (found, _) = information(&sigmas);
+        assert!((found - before - 1.0).abs() < 0.01, "{found} {before}");
+        // Unsure ones after it add next to nothing.
+        sigmas.reverse();
+        assert!(information(&sigmas).0 < 1.0 + before);
     }
 
     #[test]
