@@ -81,7 +81,7 @@ pub struct TuneArgs {
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub radio: Vec<PathBuf>,
 
-    /// What to forgive before errors are taken [default: se2; none for attitude]
+    /// What to forgive before errors are taken [default: se2; none for attitude and for methods by radio]
     #[arg(long, value_name = "none|start|se2|se3")]
     pub align: Option<Alignment>,
 

@@ -56,7 +56,7 @@ fn draw(
     let power = if top < WIDE * least && !(-1.0..4.0).contains(&power) { power } else { 0.0 };
     let (low, high) = (least.log10() - power, top.log10() - power);
     let room = (ROOM * (high - low)).max(0.01);
-    let ten = if power < 0.0 || power > 0.0 { format!("{} ", power_of_ten(power)) } else { String::new() };
+    let ten = if power.abs() > 0.0 { format!("{} ", power_of_ten(power)) } else { String::new() };
     let label = format!("least cost so far ({ten}{unit})");
     let y = Axis { label, range: low - room..high + room };
     let last = curves.iter().map(|curve| curve.evaluations).max().unwrap_or(1);

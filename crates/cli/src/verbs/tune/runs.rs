@@ -11,7 +11,7 @@ use crate::radio_site;
 use crate::verbs::trials::{Trial, Trials};
 use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
-use adit_estimation::methods::MethodSettings;
+use adit_estimation::methods::{MethodSettings, RadioUse};
 use adit_evaluation::alignment::{Alignment, align_attitudes};
 use adit_evaluation::ape::attitude_error;
 use adit_evaluation::association::{Association, associate};
@@ -69,10 +69,11 @@ pub struct Rules {
 impl Rules {
     /// Those of a command line.
     pub fn of(args: &TuneArgs) -> Self {
-        let (what, usual) = if args.method.estimates_path() {
-            (Judgement::Position, Alignment::Se2)
-        } else {
-            (Judgement::Attitude, Alignment::None)
+        let (what, usual) = match args.method {
+            // In the frame of the site as they come.
+            method if method.radio() == RadioUse::Needed => (Judgement::Position, Alignment::None),
+            method if method.estimates_path() => (Judgement::Position, Alignment::Se2),
+            _ => (Judgement::Attitude, Alignment::None),
         };
         Self { what, alignment: args.align.unwrap_or(usual), from_s: args.from }
     }
@@ -130,6 +131,11 @@ impl Runs {
 
     fn new(method: MethodName, all: Vec<Run>, rules: Rules) -> Self {
         Self { all, rules, drive: with_settings!(method, S => drive::<S>) }
+    }
+
+    /// Whether everything is judged, as it is.
+    pub fn judges_all_as_it_is(&self) -> bool {
+        self.rules.alignment == Alignment::None && self.rules.from_s <= 0.0
     }
 
     /// Something of each: of its log, its settings as they are and its truth.
