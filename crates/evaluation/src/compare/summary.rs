@@ -306,11 +306,11 @@ fn nis(runs: &[&RunOutcome]) -> Result<Option<NisSummary>, EvaluationError> {
 impl Comparison {
     /// Which moments are judged, in words.
     pub(super) fn judged(&self) -> String {
-        let mut words = format!("from {} s on every {} s", self.judged_from_s, self.judged_every_s);
-        if self.judged_above_m_s > 0.0 {
-            words += &format!(" while moving faster than {} m/s", self.judged_above_m_s);
-        }
-        words
+        let moving = match self.judged_above_m_s {
+            0.0 => String::new(),
+            speed => format!(" while moving faster than {speed} m/s"),
+        };
+        format!("from {} s on every {} s{moving}", self.judged_from_s, self.judged_every_s)
     }
 }
 

@@ -291,7 +291,7 @@ impl Scale {
         let mut ticks: Vec<f64> = halves.filter(within).collect();
         if ticks.len() < FEWEST_TICKS {
             let linear = 10_f64.powf(range.start)..10_f64.powf(range.end);
-            let even = Self::over(&linear, most.min(5.0)).ticks.into_iter();
+            let even = Self::over(&linear, most.min(8.0)).ticks.into_iter();
             ticks = even.map(f64::log10).filter(within).collect();
         }
         Self { range: range.clone(), ticks, labels: Labels::Magnitudes }
@@ -300,10 +300,7 @@ impl Scale {
     fn label(&self, value: f64) -> String {
         let decimals = match self.labels {
             Labels::Decimals(decimals) => decimals,
-            Labels::Powers => {
-                let digits = format!("{value:.0}");
-                return format!("10{}", digits.chars().map(superscript).collect::<String>());
-            }
+            Labels::Powers => return power_of_ten(value),
             Labels::Magnitudes => return magnitude(10_f64.powf(value)),
         };
         let shown = format!("{:.decimals$}", value.abs());
@@ -364,6 +361,12 @@ fn magnitude(value: f64) -> String {
         }
         _ => format!("{digits}·10{}", exponent.chars().map(superscript).collect::<String>()),
     }
+}
+
+/// Ten to a whole power.
+pub fn power_of_ten(power: f64) -> String {
+    let digits = format!("{power:.0}");
+    format!("10{}", digits.chars().map(superscript).collect::<String>())
 }
 
 /// A digit or minus as an exponent; anything else as it is.

@@ -146,8 +146,8 @@ impl Report {
             evaluations: self.evaluations,
         };
         let title = format!("Search of {} noise parameters of {}", self.parameters.len(), self.method);
-        let label = format!("least cost so far ({}²)", self.unit());
-        Ok(convergence_figure(&[curve], Some(("before", self.cost_before)), &title, &label)?)
+        let unit = format!("{}²", self.unit());
+        Ok(convergence_figure(&[curve], Some(("before", self.cost_before)), &title, &unit)?)
     }
 
     /// What was searched, where it was and where it is.

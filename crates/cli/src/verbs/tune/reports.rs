@@ -33,8 +33,10 @@ impl Reports {
         let places: Option<Vec<usize>> = parameters.0.iter().map(|one| place(&one.name)).collect();
         let Some(places) = places else { return Ok(None) };
         let logs = runs.map(|trial, settings, truth| {
-            let settings: PdrWifiParams = settings.clone().try_into()?;
-            let settings = trial.radio.iter().fold(settings, |settings, radio| settings.at_site(radio));
+            let mut settings: PdrWifiParams = settings.clone().try_into()?;
+            if let Some(radio) = &trial.radio {
+                settings = settings.at_site(radio);
+            }
             let fusion = settings.fusion.clone();
             let sigma_m = Vector2::repeat(fusion.fix_sigma_m);
             let start_sigma_m = settings.start_sigma_m().unwrap_or(sigma_m);

@@ -188,15 +188,11 @@ impl PdrWifi {
             self.report.late_fixes += 1;
             return;
         };
-        let fusion = match &mut self.fusion {
-            Some(fusion) => fusion,
-            None => {
-                // Nobody told a start: the first position by radio is it, and says nothing more.
-                self.origin_m = fix.level_m - reckoned_m;
-                let sigma_m = self.params.fusion.fix_sigma_m;
-                self.fusion.insert(Fusion::new(&self.params.fusion, Vector2::repeat(sigma_m)))
-            }
-        };
+        let fusion = self.fusion.get_or_insert_with(|| {
+            // Nobody told a start: the first position by radio is it, and says nothing more.
+            self.origin_m = fix.level_m - reckoned_m;
+            Fusion::new(&self.params.fusion, Vector2::repeat(self.params.fusion.fix_sigma_m))
+        });
         let report =
             Report { time_s: fix.time.seconds(), reckoned_m: reckoned_m + self.origin_m, fix_m: fix.level_m };
         let fused = fusion.observe(&report);
