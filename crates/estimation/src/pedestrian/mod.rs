@@ -6,4 +6,5 @@ pub mod stance;
 pub mod stance_updates;
 pub mod step_length;
 pub mod steps;
+pub mod trail;
 pub mod zero_velocity;

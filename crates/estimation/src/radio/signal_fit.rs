@@ -10,7 +10,7 @@
 //! The offset c is that of the tag: its antenna, its case, the body that wears it.
 
 use super::gauss_newton::{LANES, Lane, Problem, Residuals, solve};
-use super::path_loss::{NEAREST_M, fall_db};
+use super::path_loss::{NEAREST_M, distance_m, fall_db};
 use super::{AreaPrior, Emitter, Heard, RadioFix};
 use adit_core::nalgebra::Vector2;
 use alloc::vec::Vec;
@@ -45,7 +45,7 @@ pub fn signal_fit(
     if prior.is_none() && heard.len() < 3 {
         return None;
     }
-    let start = strongest_three(heard)?;
+    let start = among_strongest_three(heard)?;
     let problem = Problem {
         dof: params.dof,
         offset_sigma: params.offset_sigma_db,
@@ -121,8 +121,8 @@ impl Prepared {
     }
 }
 
-/// Middle of the three strongest transmitters.
-fn strongest_three(heard: &[Heard<'_>]) -> Option<Vector2<f64>> {
+/// Among the three strongest transmitters, nearer to the nearer: a search that begins past a transmitter of a row stays there.
+fn among_strongest_three(heard: &[Heard<'_>]) -> Option<Vector2<f64>> {
     let mut best: [Option<&Heard<'_>>; 3] = [None; 3];
     for one in heard.iter().filter(|one| one.rssi_dbm.is_finite()) {
         let place = best.iter().position(|known| known.is_none_or(|known| one.rssi_dbm > known.rssi_dbm));
@@ -131,9 +131,15 @@ fn strongest_three(heard: &[Heard<'_>]) -> Option<Vector2<f64>> {
             best[place] = Some(one);
         }
     }
-    let places = || best.iter().flatten().map(|one| one.emitter.position_m.xy());
-    let count = places().count();
-    (count > 0).then(|| places().sum::<Vector2<f64>>() / count as f64)
+    let mut total = 0.0;
+    let mut sum = Vector2::zeros();
+    for one in best.iter().flatten() {
+        let range_m = distance_m(&one.emitter.path_loss, one.rssi_dbm);
+        let weight = 1.0 / (range_m * range_m);
+        sum += one.emitter.position_m.xy() * weight;
+        total += weight;
+    }
+    (total > 0.0).then(|| sum / total)
 }
 
 /// Natural logarithm of a number above zero that is not subnormal, right to 1e-9: a fifth of the time of one that is right to the last bit.

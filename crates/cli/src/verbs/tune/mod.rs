@@ -18,6 +18,7 @@ use crate::verbs::trials::Trial;
 use adit_evaluation::alignment::Alignment;
 use adit_tuning::optimise::{Method as Optimiser, Search, Task};
 use anyhow::Result;
+use objective::Objective;
 use parameters::Parameters;
 use report::{BeforeAfter, Report};
 use runs::{Judgement, Rules, Runs, mean_cost};
@@ -45,10 +46,9 @@ pub fn run(args: &TuneArgs) -> Result<()> {
     let searched = search.run(&parameters, objective.as_ref(), &unit)?;
 
     let values = parameters.rounded(&searched.found.point);
-    let after = answered(runs.judge(&parameters, &values));
+    let better = objective.cost(&values) < objective.cost(&parameters.defaults());
     interrupt::check()?;
-    let better = mean_cost(&after) < mean_cost(&before);
-    let values = better.then(|| settled(&runs, &parameters, values, mean_cost(&after)));
+    let values = better.then(|| settled(objective.as_ref(), &parameters, values));
     let both = |runs: &Runs, before: Vec<Option<f64>>| {
         let after = match &values {
             Some(values) => answered(runs.judge(&parameters, values)),
@@ -59,6 +59,11 @@ pub fn run(args: &TuneArgs) -> Result<()> {
     let train = both(&runs, before);
     let validate = validation.map(|(runs, before)| both(&runs, before));
     interrupt::check()?;
+    if values.is_some() && mean_cost(&train.after) > mean_cost(&train.before) {
+        let what =
+            "less is off at the reports by which it was searched, more over the whole logs: see the table";
+        progress::warn(&[what]);
+    }
 
     let report =
         Report::new(args, &rules, &parameters, values.as_deref(), searched, (&train, validate.as_ref()));
@@ -110,10 +115,11 @@ pub fn on_trial(
 }
 
 /// Values with those taken back that are worth nothing: an error that does not depend on a parameter must not move it.
-fn settled(runs: &Runs, parameters: &Parameters, mut values: Vec<f64>, mut cost: f64) -> Vec<f64> {
+fn settled(objective: &dyn Objective, parameters: &Parameters, mut values: Vec<f64>) -> Vec<f64> {
+    let mut cost = objective.cost(&values);
     for (index, default) in parameters.defaults().into_iter().enumerate() {
         let found = std::mem::replace(&mut values[index], default);
-        let without = mean_cost(&answered(runs.judge(parameters, &values)));
+        let without = objective.cost(&values);
         if without <= cost {
             cost = without;
         } else {

@@ -23,7 +23,6 @@ mod method;
 mod params;
 mod radio;
 pub mod search;
-mod trail;
 pub mod walker;
 
 pub use method::PdrReport;
@@ -32,6 +31,7 @@ pub use params::{Direction, FixParams, PdrNoise, PdrParams, PdrRadio};
 use crate::methods::ahrs::Ahrs;
 use crate::methods::{MethodError, MethodWarning};
 use crate::pedestrian::steps::{Step, StepDetector};
+use crate::pedestrian::trail::Trail;
 use adit_core::attitude::{self, Attitude};
 use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
@@ -43,7 +43,6 @@ use fixes::{HeldFix, MOST_HELD};
 use radio::RadioFixes;
 use search::{Search, UNKNOWN_RAD};
 use serde::{Deserialize, Serialize};
-use trail::Trail;
 use walker::{EAST, FACTOR, Stretch, Walker};
 
 /// Name of the method.

@@ -22,6 +22,7 @@ pub use method::{PdrWifiParams, PdrWifiReport};
 
 use crate::methods::MethodError;
 use crate::methods::pdr::Pdr;
+use crate::pedestrian::trail::Trail;
 use crate::radio::Listener;
 use adit_core::nalgebra::Vector2;
 use adit_core::solution::{Quality, Solution};
@@ -34,8 +35,6 @@ use serde::{Deserialize, Serialize};
 const NAME: &str = "pdr-wifi";
 /// Positions by radio that may wait for the steps before them; with more, the oldest are dropped.
 const MOST_HELD: usize = 64;
-/// Places of dead reckoning that are kept for reports of a time that is past: half a minute of steps.
-const TRAIL: usize = 64;
 
 /// One walker, streaming.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -49,8 +48,8 @@ pub struct PdrWifi {
     origin_m: Vector2<f64>,
     /// Positions by radio newer than dead reckoning, in order of time.
     held: VecDeque<PositionFix>,
-    /// Where dead reckoning has been of late, in its own frame, oldest first.
-    trail: VecDeque<(Time, Vector2<f64>)>,
+    /// Where dead reckoning has been of late, in its own frame.
+    trail: Trail,
     /// Time of the last report.
     reported: Option<Time>,
     due: VecDeque<Solution>,
@@ -72,7 +71,7 @@ impl PdrWifi {
             fusion: start_sigma_m.map(|sigma_m| Fusion::new(&params.fusion, sigma_m)),
             origin_m: Vector2::zeros(),
             held: VecDeque::with_capacity(MOST_HELD),
-            trail: VecDeque::with_capacity(TRAIL),
+            trail: Trail::default(),
             reported: None,
             due: VecDeque::new(),
             report: PdrWifiReport::default(),
@@ -144,7 +143,7 @@ impl PdrWifi {
 
     /// Takes a position by radio, or keeps it until dead reckoning has come to its time.
     fn hold(&mut self, fix: PositionFix) {
-        if self.trail.back().is_some_and(|(newest, _)| fix.time <= *newest) {
+        if self.trail.newest().is_some_and(|newest| fix.time <= newest) {
             self.take(&fix);
             return;
         }
@@ -158,10 +157,7 @@ impl PdrWifi {
 
     /// Dead reckoning has come to a solution: the reports on the way, then the solution itself.
     fn reckon(&mut self, now: &Solution) -> Result<(), MethodError> {
-        if self.trail.len() == TRAIL {
-            self.trail.pop_front();
-        }
-        self.trail.push_back((now.time, now.position_m.xy()));
+        self.trail.push(now.time, now.position_m.xy());
         while self.held.front().is_some_and(|fix| fix.time <= now.time) {
             if let Some(fix) = self.held.pop_front() {
                 self.take(&fix);
@@ -170,21 +166,10 @@ impl PdrWifi {
         self.tell(now)
     }
 
-    /// Where dead reckoning was at a time; `None` before what is kept.
-    fn reckoned_at(&self, time: Time) -> Option<Vector2<f64>> {
-        let after = self.trail.partition_point(|(known, _)| *known < time);
-        let (next, there_m) = self.trail.get(after)?;
-        if *next == time {
-            return Some(*there_m);
-        }
-        let (last, here_m) = self.trail.get(after.checked_sub(1)?)?;
-        Some(here_m.lerp(there_m, (time - *last).seconds() / (*next - *last).seconds()))
-    }
-
     /// A report: where dead reckoning is, and where radio is.
     fn take(&mut self, fix: &PositionFix) {
         let old = self.reported.is_some_and(|reported| fix.time <= reported);
-        let Some(reckoned_m) = self.reckoned_at(fix.time).filter(|_| !old) else {
+        let Some(reckoned_m) = self.trail.at(fix.time).filter(|_| !old) else {
             self.report.late_fixes += 1;
             return;
         };
@@ -213,7 +198,9 @@ impl PdrWifi {
         }
         solution.position_m.fixed_rows_mut::<2>(0).copy_from(&level_m);
         solution.velocity_m_s.fixed_rows_mut::<2>(0).copy_from(&velocity_m_s);
-        for (index, variance) in [0, 1, 3, 4].into_iter().zip(&variances) {
+        // Before the first report dead reckoning knows best how sure it is.
+        let known = self.reported.is_some();
+        for (index, variance) in [0, 1, 3, 4].into_iter().zip(&variances).filter(|_| known) {
             solution.covariance.fixed_view_mut::<1, 9>(index, 0).fill(0.0);
             solution.covariance.fixed_view_mut::<9, 1>(0, index).fill(0.0);
             solution.covariance[(index, index)] = *variance;

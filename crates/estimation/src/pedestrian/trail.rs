@@ -27,6 +27,11 @@ impl Trail {
         self.places.push_back((time, way_m));
     }
 
+    /// Time of the newest place.
+    pub fn newest(&self) -> Option<Time> {
+        self.places.back().map(|(time, _)| *time)
+    }
+
     /// Nothing is known of the way before now.
     pub fn clear(&mut self) {
         self.places.clear();
