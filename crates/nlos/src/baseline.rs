@@ -6,8 +6,8 @@ use crate::examples::Examples;
 use crate::features;
 use crate::normal_scores::{self, LEVELS, NormalScores};
 
-/// How much correlations are shrunk; chosen on uwb-cir by geometry: 0.02 to 0.3 differ little (`docs/methods/nlos.md`).
-pub const SHRINKAGE: f64 = 0.1;
+/// How much correlations are shrunk; chosen on uwb-cir by geometry (`docs/methods/nlos.md`).
+pub const SHRINKAGE: f64 = 0.2;
 
 /// Features made normal, and their discriminant.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ impl Baseline {
         let value = |feature: usize| rows.iter().map(move |row| examples.rows[*row].features[feature]);
         let told = |feature: &usize| 2 * value(*feature).filter(|v| !v.is_nan()).count() > rows.len();
         let used: Vec<usize> = (0..features::COUNT).filter(told).collect();
-        let of = |feature: &usize| NormalScores::learn(value(*feature).zip(weights.iter().copied()));
+        let of = |feature: &usize| NormalScores::learn(value(*feature));
         let normal: Vec<NormalScores> = used.iter().filter_map(of).collect();
         if normal.is_empty() || normal.len() < used.len() {
             return Err(NlosError::NoFeatures);

@@ -93,9 +93,10 @@ impl Examples {
         rows.iter().map(weight).collect()
     }
 
-    /// Groups of each class.
-    pub fn groups_of(&self, class: usize) -> Vec<usize> {
-        let mut found: Vec<usize> = self.rows.iter().filter(|r| r.class == class).map(|r| r.group).collect();
+    /// Groups that have one of `rows` in this class.
+    pub fn groups_of(&self, class: usize, rows: &[usize]) -> Vec<usize> {
+        let rows = rows.iter().map(|row| &self.rows[*row]);
+        let mut found: Vec<usize> = rows.filter(|row| row.class == class).map(|row| row.group).collect();
         found.sort_unstable();
         found.dedup();
         found

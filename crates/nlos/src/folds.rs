@@ -8,10 +8,15 @@ use crate::examples::Examples;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Of each fold the groups that it holds out; with as many folds as groups, each group alone.
-pub fn by_group(examples: &Examples, folds: usize, seed: u64) -> Result<Vec<Vec<usize>>, NlosError> {
+/// Of each fold the groups of `rows` that it holds out; with as many folds as groups, each group alone.
+pub fn by_group(
+    examples: &Examples,
+    rows: &[usize],
+    folds: usize,
+    seed: u64,
+) -> Result<Vec<Vec<usize>>, NlosError> {
     for (class, name) in examples.class_names().into_iter().enumerate() {
-        let found = examples.groups_of(class).len();
+        let found = examples.groups_of(class, rows).len();
         if found < 2 {
             return Err(NlosError::TooFewGroups { class: name, found, expected: 2 });
         }
@@ -19,7 +24,7 @@ pub fn by_group(examples: &Examples, folds: usize, seed: u64) -> Result<Vec<Vec<
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut order: Vec<usize> = Vec::new();
     for class in 0..examples.classes.len() {
-        let mut groups = examples.groups_of(class);
+        let mut groups = examples.groups_of(class, rows);
         groups.retain(|group| !order.contains(group));
         shuffle(&mut groups, &mut random);
         order.extend(groups);

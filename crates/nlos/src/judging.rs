@@ -3,9 +3,72 @@
 use crate::baseline::Baseline;
 use crate::calibration;
 use crate::error::NlosError;
-use crate::examples::Examples;
-use crate::measures::Measures;
+use crate::examples::{Example, Examples};
+use crate::measures::{self, Measures};
+use crate::model::{Model, Probabilities};
+use crate::network::Scratch;
 use rayon::prelude::*;
+use serde::Serialize;
+
+/// How a model and its baseline do on labelled ranges. Where one of the two does not tell no direct path, neither is asked to.
+#[derive(Debug, Clone, Serialize)]
+pub struct Judgement {
+    /// The model's.
+    #[serde(flatten)]
+    pub model: Measures,
+    /// Of the discriminant in it; the same where it has no network.
+    pub baseline: Measures,
+    /// Group by group, what the model said.
+    pub groups: Vec<GroupJudgement>,
+}
+
+/// How a model does on one group and class.
+#[derive(Debug, Clone, Serialize)]
+pub struct GroupJudgement {
+    /// Name of the group.
+    pub group: String,
+    /// True class.
+    pub class: &'static str,
+    /// Its ranges.
+    pub ranges: usize,
+    /// Share of them told to be of each class.
+    pub told: Vec<f64>,
+}
+
+/// Judges a model on labelled ranges.
+pub fn judge(model: &Model, examples: &Examples) -> Judgement {
+    let classes = model.record.classes.len().min(examples.classes.len());
+    let names: Vec<&'static str> = examples.class_names()[..classes].to_vec();
+    let truth = |row: &Example| row.class.min(classes - 1);
+    let merged = |mut told: Probabilities| {
+        if classes == 2 {
+            told = [told[0], told[1] + told[2], 0.0];
+        }
+        told
+    };
+    let asked = |of: &(dyn Fn(&Example, &mut Scratch) -> Probabilities + Sync)| -> Vec<Probabilities> {
+        examples.rows.par_iter().map_init(Scratch::default, |scratch, row| merged(of(row, scratch))).collect()
+    };
+    let network =
+        asked(&|row, scratch| model.judge_features(&row.features, row.window.as_deref(), scratch));
+    let baseline = asked(&|row, _| model.judge_baseline(&row.features));
+    let measures = |told: &[Probabilities]| {
+        Measures::of(&names, examples.rows.iter().zip(told).map(|(row, p)| (truth(row), &p[..classes])))
+    };
+    let mut cells = vec![vec![vec![0_usize; classes]; classes]; examples.groups.len()];
+    for (row, told) in examples.rows.iter().zip(&network) {
+        cells[row.group][truth(row)][measures::told(&told[..classes]).0] += 1;
+    }
+    let groups = examples.groups.iter().zip(&cells).flat_map(|(group, cells)| {
+        cells.iter().zip(&names).filter_map(|(told, class)| {
+            let ranges: usize = told.iter().sum();
+            let share = |told: &usize| *told as f64 / ranges as f64;
+            let (group, told) = (group.name.clone(), told.iter().map(share).collect());
+            (ranges > 0).then_some(GroupJudgement { group, class: *class, ranges, told })
+        })
+    });
+    Judgement { model: measures(&network), baseline: measures(&baseline), groups: groups.collect() }
+}
 
 /// What is learnt of some rows and asked of others.
 pub trait Learner: Sync {

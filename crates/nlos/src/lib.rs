@@ -9,8 +9,12 @@ pub mod examples;
 pub mod features;
 pub mod folds;
 pub mod judging;
+pub mod learning;
 pub mod measures;
+mod model;
+pub mod network;
 pub mod normal_scores;
 pub mod window;
 
 pub use error::NlosError;
+pub use model::{DataRecord, HeldOutRecord, MOST_CLASSES, Model, NetworkRecord, Probabilities, Record, ScoreRecord};

@@ -1,6 +1,6 @@
 //! A feature made normal: its rank among the training data as the quantile of a standard normal distribution.
 //!
-//! `z(v) = Φ⁻¹(F(v))` with the weighted empirical distribution `F`, held as its values at 64 levels and interpolated between them (van der Waerden 1952).
+//! `z(v) = Φ⁻¹(F(v))` with the empirical distribution `F`, held as its values at 64 levels and interpolated between them (van der Waerden 1952).
 //! A discriminant is linear in `z`; skewed features, outliers and units do not matter. Beyond the outermost levels `z` stays at ±2.42; a feature that is
 //! not told counts as the middle, 0.
 
@@ -24,22 +24,13 @@ pub fn scores() -> [f32; LEVELS] {
 }
 
 impl NormalScores {
-    /// Of values with weights; `None` where no value is told.
-    pub fn learn(values: impl Iterator<Item = (f32, f64)>) -> Option<Self> {
-        let mut told: Vec<(f32, f64)> = values.filter(|(value, _)| !value.is_nan()).collect();
-        told.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = told.iter().map(|(_, weight)| weight).sum();
-        let last = told.last()?.0;
-        let mut levels = [last; LEVELS];
-        let (mut seen, mut next) = (0.0, 0);
-        for (value, weight) in told {
-            seen += weight;
-            while next < LEVELS && seen >= (next as f64 + 0.5) / LEVELS as f64 * total {
-                levels[next] = value;
-                next += 1;
-            }
-        }
-        Some(Self { values: levels })
+    /// Of values; `None` where none is told.
+    pub fn learn(values: impl Iterator<Item = f32>) -> Option<Self> {
+        let mut told: Vec<f32> = values.filter(|value| !value.is_nan()).collect();
+        told.sort_by(f32::total_cmp);
+        let at = |level: usize| told.get((2 * level + 1) * told.len() / (2 * LEVELS)).copied();
+        at(0)?;
+        Some(Self { values: std::array::from_fn(|level| at(level).unwrap_or_default()) })
     }
 
     /// The score of a value, given [`scores`].
@@ -72,7 +63,7 @@ mod tests {
     #[test]
     fn scores_of_the_training_data_are_standard_normal_whatever_its_law() {
         let values = (0..10_000_i16).map(|k| (f32::from(k) / 1000.0).exp());
-        let learnt = NormalScores::learn(values.clone().map(|v| (v, 2.0))).unwrap();
+        let learnt = NormalScores::learn(values.clone()).unwrap();
         let scores = scores();
         let z: Vec<f64> = values.map(|v| f64::from(learnt.score(v, &scores))).collect();
         let mean = z.iter().sum::<f64>() / z.len() as f64;
@@ -85,12 +76,12 @@ mod tests {
     #[test]
     fn what_is_not_told_is_the_middle_and_ties_share_their_score() {
         let scores = scores();
-        let half = NormalScores::learn([(1.0, 1.0), (2.0, 1.0), (f32::NAN, 9.0)].into_iter()).unwrap();
+        let half = NormalScores::learn([1.0, 2.0, f32::NAN].into_iter()).unwrap();
         assert_eq!(half.score(f32::NAN, &scores), 0.0);
         // Half of the data is 1: the mean of the scores of the lower 32 levels' ends.
         assert_eq!(half.score(1.0, &scores), 0.5 * (scores[0] + scores[31]));
         assert_eq!(half.score(-f32::INFINITY, &scores), scores[0]);
         assert_eq!(half.score(f32::INFINITY, &scores), scores[63]);
-        assert!(NormalScores::learn([(f32::NAN, 1.0)].into_iter()).is_none());
+        assert!(NormalScores::learn([f32::NAN].into_iter()).is_none());
     }
 }

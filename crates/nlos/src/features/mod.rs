@@ -19,7 +19,7 @@ use response::Response;
 pub const COUNT: usize = NAMES.len();
 
 /// Their names, in order, as a model writes them.
-pub const NAMES: [&str; 31] = [
+pub const NAMES: [&str; 30] = [
     "range, log m",
     "received power, dBm",
     "first path power, dBm",
@@ -50,7 +50,6 @@ pub const NAMES: [&str; 31] = [
     "noise before the first path, dB",
     "peak, dB",
     "energy, dB",
-    "half of the energy, log taps",
 ];
 
 /// Shortest range of which a logarithm is taken, m.

@@ -36,7 +36,7 @@ impl Response {
     }
 
     /// The features from the fourteenth on, given the noise that the device tells.
-    pub fn features(&self, noise: f64) -> [f64; 18] {
+    pub fn features(&self, noise: f64) -> [f64; 17] {
         let Self { amplitude, first, at } = self;
         let at = *at;
         let (peak_at, peak) =
@@ -77,16 +77,9 @@ impl Response {
             super::decibel(quiet),
             super::decibel(peak),
             10.0 * sum.log10(),
-            (half_energy(&power, sum) as f64).max(SHORTEST).ln(),
         ]
     }
 }
 
 /// Fewest taps of which a logarithm is taken.
 const SHORTEST: f64 = 0.3;
-
-/// Where half of the energy has come.
-fn half_energy(power: &[f64], sum: f64) -> usize {
-    let mut seen = 0.0;
-    power.iter().take_while(|p| { seen += **p; seen < 0.5 * sum }).count()
-}

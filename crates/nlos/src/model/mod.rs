@@ -1,0 +1,75 @@
+//! A classifier as it is kept and asked: the baseline, the network where there is one, and the record of its training.
+
+mod file;
+mod record;
+
+pub use record::{DataRecord, HeldOutRecord, NetworkRecord, Record, ScoreRecord};
+
+use crate::baseline::Baseline;
+use crate::calibration;
+use crate::features;
+use crate::network::{Network, Scratch};
+use crate::window::{self, Window};
+use adit_observation::Reception;
+
+/// Most classes there are.
+pub const MOST_CLASSES: usize = 3;
+/// Layout of the file.
+pub(crate) const VERSION: u32 = 1;
+
+/// Probability of each class, the first of line of sight; those beyond the classes of the model are 0.
+pub type Probabilities = [f32; MOST_CLASSES];
+
+/// A classifier.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// What it says of itself.
+    pub record: Record,
+    /// What features made by hand tell.
+    pub baseline: Baseline,
+    /// What the response tells beside them.
+    pub network: Option<Network>,
+}
+
+impl Model {
+    /// Judges a reception; with the baseline where there is no network, or no impulse response for it.
+    pub fn judge(&self, reception: &Reception, range_m: Option<f64>, scratch: &mut Scratch) -> Probabilities {
+        let features = features::of(reception, range_m);
+        let window = self.network.as_ref().and_then(|_| window::of(reception));
+        self.judge_features(&features, window.as_ref(), scratch)
+    }
+
+    /// The same of features and window made before.
+    pub fn judge_features(
+        &self,
+        features: &[f32; features::COUNT],
+        window: Option<&Window>,
+        scratch: &mut Scratch,
+    ) -> Probabilities {
+        let classes = self.record.classes.len();
+        let mut told = [0.0; MOST_CLASSES];
+        let temperature = match (&self.network, &self.record.network) {
+            (Some(network), Some(record)) if window.is_some() || !network.looks_at_window() => {
+                let mut scores = [0.0; features::COUNT];
+                self.baseline.write_scores(features, &mut scores);
+                network.logits(&scores[..self.baseline.used.len()], window, scratch, &mut told[..classes]);
+                record.temperature
+            }
+            _ => {
+                told[..classes].copy_from_slice(&self.baseline.logits(features)[..classes]);
+                self.record.baseline_temperature
+            }
+        };
+        calibration::softmax(&mut told[..classes], temperature);
+        told
+    }
+
+    /// The same of the baseline alone.
+    pub fn judge_baseline(&self, features: &[f32; features::COUNT]) -> Probabilities {
+        let classes = self.record.classes.len();
+        let mut told = [0.0; MOST_CLASSES];
+        told[..classes].copy_from_slice(&self.baseline.logits(features)[..classes]);
+        calibration::softmax(&mut told[..classes], self.record.baseline_temperature);
+        told
+    }
+}
