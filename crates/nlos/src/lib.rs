@@ -14,6 +14,8 @@ pub mod measures;
 mod model;
 pub mod network;
 pub mod normal_scores;
+#[cfg(feature = "train")]
+pub mod training;
 pub mod window;
 
 pub use error::NlosError;

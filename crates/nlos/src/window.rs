@@ -32,12 +32,17 @@ pub fn of(reception: &Reception) -> Option<Window> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the taps")]
     let first = first as usize;
     let mut window = [0.0; TAPS * CHANNELS];
-    let (values, _) = window.as_chunks_mut::<CHANNELS>();
-    for (k, value) in values.iter_mut().enumerate() {
+    let (taps, _) = window.as_chunks_mut::<CHANNELS>();
+    for (k, value) in taps.iter_mut().enumerate() {
         // What the device has not kept is silent.
         let tap = (first + k).checked_sub(BEFORE).and_then(|at| response.taps.get(at));
         let against = tap.map_or(0.0, |tap| amplitude(tap) / peak);
-        *value = [against, (1.0 + 20.0 * against.max(1e-6).log10() / FLOOR_DB).max(0.0)];
+        *value = values(against);
     }
     Some(window)
+}
+
+/// The values of a tap, of its amplitude against the largest.
+pub fn values(against: f32) -> [f32; CHANNELS] {
+    [against, (1.0 + 20.0 * against.max(1e-6).log10() / FLOOR_DB).max(0.0)]
 }
