@@ -23,7 +23,6 @@ use std::path::Path;
 const EXCHANGES: u32 = 30;
 /// Antenna delay, as range.
 const OFFSET_M: f64 = 0.2;
-fn late() -> f64 { std::env::var("LATE").unwrap().parse().unwrap() }
 
 struct Room {
     distance_m: f64,
@@ -40,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (rooms, seed): (u64, u64) = (rooms.parse()?, seed.parse()?);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut table = String::from(
-        "geometry_id,label,true_range_m,range_m,first_path_index_tap,preamble_count,rx_power_dBm,first_path_power_dBm,peak_index_tap,\
+        "geometry_id,nlos,true_range_m,range_m,first_path_index_tap,preamble_count,rx_power_dBm,first_path_power_dBm,peak_index_tap,\
          pre_first_path_amplitude_std\n",
     );
     let mut responses = Vec::new();
@@ -127,17 +126,12 @@ fn exchanges(room: &Room, number: u64, seed: u64, table: &mut String, responses:
         for outcome in &out {
             let Some(reception) = outcome.sample.reception.as_deref() else { continue };
             let (Some(response), Some(_)) = (&reception.impulse_response, window::of(reception)) else { continue };
-            let late_m = outcome.sample.range_m - OFFSET_M - outcome.truth.distance_m;
-            let label = match outcome.truth.class {
-                LinkClass::Los => "LOS",
-                LinkClass::Nlos if late_m < late() => "NLOS",
-                LinkClass::Nlos | LinkClass::Ndp => "NDP",
-            };
+            let nlos = u8::from(outcome.truth.class != LinkClass::Los);
             let number_of = |value: Option<f32>| value.map_or(String::new(), |v| v.to_string());
             let symbols = reception.preamble_count.map_or(String::new(), |v| v.to_string());
             writeln!(
                 table,
-                "{number},{label},{:.4},{:.4},{},{symbols},{},{},{},{}",
+                "{number},{nlos},{:.4},{:.4},{},{symbols},{},{},{},{}",
                 outcome.truth.distance_m,
                 outcome.sample.range_m,
                 number_of(reception.first_path_index_tap),

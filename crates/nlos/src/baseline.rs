@@ -1,5 +1,6 @@
 //! The baseline: what features made by hand tell.
 
+use crate::calibration::Logits;
 use crate::discriminant::Discriminant;
 use crate::error::NlosError;
 use crate::examples::Examples;
@@ -16,20 +17,19 @@ pub struct Baseline {
     pub used: Vec<usize>,
     /// How each of them is made normal.
     pub normal: Vec<NormalScores>,
-    /// Over their scores.
-    pub discriminant: Discriminant,
+    /// Over their scores, one for each question.
+    pub discriminants: Vec<Discriminant>,
     scores: [f32; LEVELS],
 }
 
 impl Baseline {
     /// From its parts.
-    pub fn new(used: Vec<usize>, normal: Vec<NormalScores>, discriminant: Discriminant) -> Self {
-        Self { used, normal, discriminant, scores: normal_scores::scores() }
+    pub fn new(used: Vec<usize>, normal: Vec<NormalScores>, discriminants: Vec<Discriminant>) -> Self {
+        Self { used, normal, discriminants, scores: normal_scores::scores() }
     }
 
     /// From some rows, with the features that most of them tell.
     pub fn learn(examples: &Examples, rows: &[usize], shrinkage: f64) -> Result<Self, NlosError> {
-        let weights = examples.weights(rows);
         let value = |feature: usize| rows.iter().map(move |row| examples.rows[*row].features[feature]);
         let told = |feature: &usize| 2 * value(*feature).filter(|v| !v.is_nan()).count() > rows.len();
         let used: Vec<usize> = (0..features::COUNT).filter(told).collect();
@@ -38,13 +38,16 @@ impl Baseline {
         if normal.is_empty() || normal.len() < used.len() {
             return Err(NlosError::NoFeatures);
         }
-        let empty = Discriminant { weights: Vec::new(), bias: Vec::new() };
-        let mut baseline = Self::new(used, normal, empty);
+        let mut baseline = Self::new(used, normal, Vec::new());
         let scores: Vec<Vec<f32>> =
             rows.iter().map(|row| baseline.scores(&examples.rows[*row].features)).collect();
-        let learnt = rows.iter().zip(&scores).zip(&weights).map(|((row, s), w)| (&s[..], examples.rows[*row].class, *w));
-        baseline.discriminant =
-            Discriminant::learn(learnt, baseline.used.len(), examples.classes.len(), shrinkage)?;
+        for question in examples.questions() {
+            let weights = examples.weights(rows, *question);
+            let learnt = rows.iter().zip(&scores).zip(&weights).filter_map(|((row, scores), weight)| {
+                Some((&scores[..], question.answer(&examples.rows[*row])?, *weight))
+            });
+            baseline.discriminants.push(Discriminant::learn(learnt, baseline.used.len(), shrinkage)?);
+        }
         Ok(baseline)
     }
 
@@ -62,8 +65,13 @@ impl Baseline {
         }
     }
 
-    /// Logarithms of the posterior of each class, up to a constant.
-    pub fn logits(&self, features: &[f32; features::COUNT]) -> Vec<f32> {
-        self.discriminant.logits(&self.scores(features)).collect()
+    /// The logit of each question.
+    pub fn logits(&self, features: &[f32; features::COUNT]) -> Logits {
+        let scores = self.scores(features);
+        let mut logits = [0.0; 2];
+        for (logit, discriminant) in logits.iter_mut().zip(&self.discriminants) {
+            *logit = discriminant.logit(&scores);
+        }
+        logits
     }
 }

@@ -25,14 +25,6 @@ pub enum NlosError {
     /// No diagnostic and no response is told in most of the rows.
     #[error("most ranges tell neither diagnostics nor an impulse response: there is nothing to learn from")]
     NoFeatures,
-    /// Sets of two and of three classes together.
-    #[error("{} tells LOS from the rest only, {} tells NDP as well: a model learns from one kind", two.display(), three.display())]
-    MixedClasses {
-        /// A set of two classes.
-        two: PathBuf,
-        /// A set of three.
-        three: PathBuf,
-    },
     /// The file is no model of ours.
     #[error("{name}: {what}")]
     Model {

@@ -1,18 +1,42 @@
 //! Labelled ranges made ready to learn from or to be judged.
 
-use crate::error::NlosError;
 use crate::features;
 use crate::window::{self, Window};
 use adit_observation::csv_log::labelled::{LabelledRanges, LinkClass};
 use std::path::PathBuf;
+
+/// What is asked of a reception.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Did it come straight?
+    LineOfSight,
+    /// If not: did a direct path arrive at all?
+    DirectPath,
+}
+
+impl Question {
+    /// Both, in order.
+    pub const ALL: [Self; 2] = [Self::LineOfSight, Self::DirectPath];
+
+    /// The truth, where it is asked and told; `false` is yes (the first class).
+    pub const fn answer(self, row: &Example) -> Option<bool> {
+        match self {
+            Self::LineOfSight => Some(row.class > 0),
+            Self::DirectPath if row.tells_ndp && row.class > 0 => Some(row.class > 1),
+            Self::DirectPath => None,
+        }
+    }
+}
 
 /// One range.
 #[derive(Debug, Clone)]
 pub struct Example {
     /// Index into [`Examples::groups`].
     pub group: usize,
-    /// Index into [`Examples::classes`].
+    /// Index into [`Examples::classes`]; of a set that tells line of sight alone, 1 stands for the rest.
     pub class: usize,
+    /// Whether its set tells no direct path from no line of sight.
+    pub tells_ndp: bool,
     /// What can be measured of it ([`features::NAMES`]).
     pub features: [f32; features::COUNT],
     /// Its response around the first path, where it has one.
@@ -22,7 +46,7 @@ pub struct Example {
 /// Ranges of which one group after the other can be held out.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Two or three.
+    /// Three where a set tells no direct path, else two.
     pub classes: Vec<LinkClass>,
     /// Which set and which geometry, place or room in it.
     pub groups: Vec<Group>,
@@ -40,14 +64,10 @@ pub struct Group {
 }
 
 impl Examples {
-    /// Of several sets; all of two classes, or all of three.
-    pub fn of(sets: &[LabelledRanges]) -> Result<Self, NlosError> {
-        let tells = sets.iter().all(|set| set.tells_ndp);
-        if let (false, Some(three)) = (tells, sets.iter().find(|set| set.tells_ndp)) {
-            let two = sets.iter().find(|set| !set.tells_ndp).unwrap_or(three);
-            return Err(NlosError::MixedClasses { two: two.file.clone(), three: three.file.clone() });
-        }
-        let classes = LinkClass::ALL[..if tells { 3 } else { 2 }].to_vec();
+    /// Of several sets.
+    pub fn of(sets: &[LabelledRanges]) -> Self {
+        let three = sets.iter().any(|set| set.tells_ndp);
+        let classes = LinkClass::ALL[..if three { 3 } else { 2 }].to_vec();
         let mut examples = Self { classes, groups: Vec::new(), rows: Vec::new() };
         for set in sets {
             let before = examples.groups.len();
@@ -56,20 +76,12 @@ impl Examples {
             examples.rows.extend(set.ranges.iter().map(|range| Example {
                 group: before + range.group,
                 class: range.class as usize,
+                tells_ndp: set.tells_ndp,
                 features: features::of(&range.reception, range.range_m),
                 window: window::of(&range.reception).map(Box::new),
             }));
         }
-        Ok(examples)
-    }
-
-    /// Without the difference between no line of sight and no direct path.
-    pub fn into_two_classes(mut self) -> Self {
-        self.classes.truncate(2);
-        for row in &mut self.rows {
-            row.class = row.class.min(1);
-        }
-        self
+        examples
     }
 
     /// Names of the classes.
@@ -77,20 +89,31 @@ impl Examples {
         self.classes.iter().map(|class| class.name()).collect()
     }
 
-    /// Of each row of `rows` its weight: every class weighs the same, and within it every group.
-    pub fn weights(&self, rows: &[usize]) -> Vec<f64> {
-        let classes = self.classes.len();
-        let mut counts = vec![0_usize; self.groups.len() * classes];
-        let cell = |row: &usize| self.rows[*row].group * classes + self.rows[*row].class;
-        for row in rows {
-            counts[cell(row)] += 1;
+    /// Of each row of `rows` its weight in a question: both answers weigh the same, and within each every group. Rows that the question is not asked of weigh nothing.
+    pub fn weights(&self, rows: &[usize], question: Question) -> Vec<f64> {
+        let cell = |row: &usize| {
+            let answer = question.answer(&self.rows[*row])?;
+            Some(2 * self.rows[*row].group + usize::from(answer))
+        };
+        let mut ranges = vec![0_usize; 2 * self.groups.len()];
+        for cell in rows.iter().filter_map(cell) {
+            ranges[cell] += 1;
         }
-        let mut groups = vec![0_usize; classes];
-        for (cell, count) in counts.iter().enumerate() {
-            groups[cell % classes] += usize::from(*count > 0);
-        }
-        let weight = |row| 1.0 / (counts[cell(row)] * groups[self.rows[*row].class] * classes) as f64;
-        rows.iter().map(weight).collect()
+        let groups: [usize; 2] =
+            std::array::from_fn(|answer| ranges[answer..].iter().step_by(2).filter(|n| **n > 0).count());
+        let weight = |cell: usize| 0.5 / (ranges[cell] * groups[cell % 2]) as f64;
+        rows.iter().map(|row| cell(row).map_or(0.0, weight)).collect()
+    }
+
+    /// Of a question the odds of yes among these rows, every range counted once.
+    pub fn odds(&self, rows: &[usize], question: Question) -> f64 {
+        let of = |wanted| rows.iter().filter(|row| question.answer(&self.rows[**row]) == Some(wanted)).count();
+        (of(false) as f64 + 1.0) / (of(true) as f64 + 1.0)
+    }
+
+    /// The questions that these sets teach.
+    pub fn questions(&self) -> &'static [Question] {
+        if self.classes.len() > 2 { &Question::ALL } else { &Question::ALL[..1] }
     }
 
     /// Groups that have one of `rows` in this class.

@@ -1,7 +1,7 @@
 //! Judged on groups that were held out: how well what is learnt of one place serves at another.
 
 use crate::baseline::Baseline;
-use crate::calibration;
+use crate::calibration::{self, Logits, Scaling, Scalings};
 use crate::error::NlosError;
 use crate::examples::{Example, Examples};
 use crate::measures::{self, Measures};
@@ -9,6 +9,7 @@ use crate::model::{Model, Probabilities};
 use crate::network::Scratch;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// How a model and its baseline do on labelled ranges. Where one of the two does not tell no direct path, neither is asked to.
 #[derive(Debug, Clone, Serialize)]
@@ -73,7 +74,7 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
 /// What is learnt of some rows and asked of others.
 pub trait Learner: Sync {
     /// Learns of the rows `learn` and gives the logits of the rows `ask`.
-    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], fold: u64) -> Result<Vec<Vec<f32>>, NlosError>;
+    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], fold: u64) -> Result<Vec<Logits>, NlosError>;
 }
 
 /// The discriminant.
@@ -84,7 +85,7 @@ pub struct BaselineLearner {
 }
 
 impl Learner for BaselineLearner {
-    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], _: u64) -> Result<Vec<Vec<f32>>, NlosError> {
+    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], _: u64) -> Result<Vec<Logits>, NlosError> {
         let baseline = Baseline::learn(examples, learn, self.shrinkage)?;
         Ok(ask.iter().map(|row| baseline.logits(&examples.rows[*row].features)).collect())
     }
@@ -96,7 +97,7 @@ pub struct HeldOut {
     /// Of every judged row its number.
     pub rows: Vec<usize>,
     /// Its logits.
-    pub logits: Vec<Vec<f32>>,
+    pub logits: Vec<Logits>,
 }
 
 impl HeldOut {
@@ -107,7 +108,7 @@ impl HeldOut {
         folds: &[Vec<usize>],
         also: &[usize],
     ) -> Result<Self, NlosError> {
-        let judged: Vec<(Vec<usize>, Vec<Vec<f32>>)> = folds
+        let judged: Vec<(Vec<usize>, Vec<Logits>)> = folds
             .par_iter()
             .enumerate()
             .map(|(fold, held)| {
@@ -127,22 +128,43 @@ impl HeldOut {
         Ok(Self { rows: rows.concat(), logits: logits.concat() })
     }
 
-    /// The temperature that makes them hold.
-    pub fn temperature(&self, examples: &Examples) -> f32 {
-        let weights = examples.weights(&self.rows);
-        let judged = self.rows.iter().zip(&self.logits).zip(weights);
-        let judged: Vec<_> =
-            judged.map(|((row, logits), w)| (examples.rows[*row].class, logits.clone(), w)).collect();
-        calibration::temperature(&judged)
+    /// The scalings that make them hold, of the rows that `with` lets count.
+    fn scalings_of(&self, examples: &Examples, with: impl Fn(usize) -> bool) -> Scalings {
+        let mut scalings = [Scaling::default(); 2];
+        for (k, question) in examples.questions().iter().enumerate() {
+            let judged = self.rows.iter().zip(&self.logits).filter(|(row, _)| with(**row));
+            let judged: Vec<_> = judged
+                .filter_map(|(row, logits)| Some((question.answer(&examples.rows[*row])?, logits[k])))
+                .collect();
+            scalings[k] = Scaling::learn(&judged, examples.odds(&self.rows, *question));
+        }
+        scalings
     }
 
-    /// How good they are at this temperature.
-    pub fn measures(&self, examples: &Examples, temperature: f32) -> Measures {
-        let mut probabilities = self.logits.clone();
-        for logits in &mut probabilities {
-            calibration::softmax(logits, temperature);
-        }
-        let judged = self.rows.iter().zip(&probabilities);
-        Measures::of(&examples.class_names(), judged.map(|(row, p)| (examples.rows[*row].class, &p[..])))
+    /// The scalings that make them hold.
+    pub fn scalings(&self, examples: &Examples) -> Scalings {
+        self.scalings_of(examples, |_| true)
+    }
+
+    /// How good they are, the probabilities of each group scaled by what makes those of the others hold.
+    pub fn measures(&self, examples: &Examples) -> Measures {
+        let classes = examples.classes.len();
+        let mut groups: Vec<usize> = self.rows.iter().map(|row| examples.rows[*row].group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let scalings: HashMap<usize, Scalings> = groups
+            .into_par_iter()
+            .map(|group| (group, self.scalings_of(examples, |row| examples.rows[row].group != group)))
+            .collect();
+        let told: Vec<Probabilities> = self
+            .rows
+            .iter()
+            .zip(&self.logits)
+            .map(|(row, logits)| {
+                calibration::probabilities(*logits, &scalings[&examples.rows[*row].group], classes)
+            })
+            .collect();
+        let judged = self.rows.iter().zip(&told);
+        Measures::of(&examples.class_names(), judged.map(|(row, p)| (examples.rows[*row].class, &p[..classes])))
     }
 }

@@ -48,7 +48,7 @@ impl Data {
     pub fn of(sets: Vec<LabelledRanges>, also: Vec<LabelledRanges>) -> Result<Self, NlosError> {
         let judged = sets.len();
         let all: Vec<LabelledRanges> = sets.into_iter().chain(also).collect();
-        let examples = Examples::of(&all)?;
+        let examples = Examples::of(&all);
         let before: usize = all[..judged].iter().map(|set| set.ranges.len()).sum();
         let rows = (0..before).collect();
         let also = (before..examples.rows.len()).collect();
@@ -71,14 +71,13 @@ pub fn learn_baseline(data: &Data, plan: &Plan) -> Result<Learnt, NlosError> {
     let Data { examples, also, .. } = data;
     let folds = data.folds(plan)?;
     let held = HeldOut::of(&BaselineLearner { shrinkage: SHRINKAGE }, examples, &folds, also)?;
-    let temperature = held.temperature(examples);
-    let measures = held.measures(examples, temperature);
+    let measures = held.measures(examples);
     let baseline = Baseline::learn(examples, &data.everything(), SHRINKAGE)?;
     let record = Record {
         version: VERSION,
         classes: examples.classes.clone(),
         features: baseline.used.iter().map(|k| features::NAMES[*k].to_owned()).collect(),
-        baseline_temperature: temperature,
+        baseline_scalings: held.scalings(examples),
         network: None,
         seed: plan.seed,
         data: data.records.clone(),

@@ -39,12 +39,14 @@ impl Model {
     }
 
     fn tensors(&self) -> Vec<Named> {
-        let Baseline { normal, discriminant, used, .. } = &self.baseline;
+        let Baseline { normal, discriminants, used, .. } = &self.baseline;
+        let weights: Vec<f32> = discriminants.iter().flat_map(|d| d.weights.iter().copied()).collect();
+        let biases: Vec<f32> = discriminants.iter().map(|d| d.bias).collect();
         let levels: Vec<f32> = normal.iter().flat_map(|n| n.values).collect();
         let mut tensors = vec![
             named("normal", &[used.len(), LEVELS], &levels),
-            named("discriminant.weight", &[discriminant.bias.len(), used.len()], &discriminant.weights.concat()),
-            named("discriminant.bias", &[discriminant.bias.len()], &discriminant.bias),
+            named("discriminant.weight", &[discriminants.len(), used.len()], &weights),
+            named("discriminant.bias", &[discriminants.len()], &biases),
         ];
         if let Some(network) = &self.network {
             let mut layers = vec![("dense", &network.dense), ("head", &network.head)];
@@ -91,9 +93,10 @@ impl<'a> Reader<'a> {
         if !(2..=MOST_CLASSES).contains(&record.classes.len()) {
             return Err(fail(format!("found {} classes, expected 2 or 3", record.classes.len())));
         }
-        let temperatures = [Some(record.baseline_temperature), record.network.as_ref().map(|n| n.temperature)];
-        if let Some(odd) = temperatures.into_iter().flatten().find(|t| !(*t > 0.0 && t.is_finite())) {
-            return Err(fail(format!("found a temperature of {odd}, expected more than 0")));
+        let network = record.network.as_ref().map(|network| network.scalings);
+        let mut scalings = record.baseline_scalings.into_iter().chain(network.into_iter().flatten());
+        if let Some(odd) = scalings.find(|s| !(s.scale.is_finite() && s.offset.is_finite())) {
+            return Err(fail(format!("found a scaling {odd:?}, expected finite numbers")));
         }
         Ok(Self { name, tensors, record })
     }
@@ -103,7 +106,7 @@ impl<'a> Reader<'a> {
     }
 
     fn model(self) -> Result<Model, NlosError> {
-        let classes = self.record.classes.len();
+        let questions = self.record.classes.len() - 1;
         let used = self
             .record
             .features
@@ -119,16 +122,15 @@ impl<'a> Reader<'a> {
         let levels = self.values("normal", &[used.len(), LEVELS])?;
         let (levels, _) = levels.as_chunks::<LEVELS>();
         let normal = levels.iter().map(|values| NormalScores { values: *values }).collect();
-        let weights = self.values("discriminant.weight", &[classes, used.len()])?;
-        let discriminant = Discriminant {
-            weights: weights.chunks(used.len()).map(<[f32]>::to_vec).collect(),
-            bias: self.values("discriminant.bias", &[classes])?,
-        };
-        let network = self.record.network.as_ref().map(|_| self.network(used.len(), classes)).transpose()?;
-        Ok(Model { baseline: Baseline::new(used, normal, discriminant), network, record: self.record })
+        let weights = self.values("discriminant.weight", &[questions, used.len()])?;
+        let biases = self.values("discriminant.bias", &[questions])?;
+        let of = |(weights, bias): (&[f32], f32)| Discriminant { weights: weights.to_vec(), bias };
+        let discriminants = weights.chunks(used.len()).zip(biases).map(of).collect();
+        let network = self.record.network.as_ref().map(|_| self.network(used.len(), questions)).transpose()?;
+        Ok(Model { baseline: Baseline::new(used, normal, discriminants), network, record: self.record })
     }
 
-    fn network(&self, features: usize, classes: usize) -> Result<Network, NlosError> {
+    fn network(&self, features: usize, questions: usize) -> Result<Network, NlosError> {
         let response = if self.tensors.names().contains(&"network.first.weight") {
             let first = self.layer("first", WIDTH * CHANNELS)?;
             let second = self.layer("second", WIDTH * first.outputs())?;
@@ -145,8 +147,8 @@ impl<'a> Reader<'a> {
         let state = response.as_ref().map_or(0, ResponseBranch::state);
         let dense = self.layer("dense", features)?;
         let head = self.layer("head", state + dense.outputs() + features)?;
-        if head.outputs() != classes {
-            return Err(self.fail(format!("network.head has {} outputs, expected {classes}", head.outputs())));
+        if head.outputs() != questions {
+            return Err(self.fail(format!("network.head has {} outputs, expected {questions}", head.outputs())));
         }
         Ok(Network { response, dense, head })
     }

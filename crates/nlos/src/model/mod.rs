@@ -46,30 +46,23 @@ impl Model {
         window: Option<&Window>,
         scratch: &mut Scratch,
     ) -> Probabilities {
-        let classes = self.record.classes.len();
-        let mut told = [0.0; MOST_CLASSES];
-        let temperature = match (&self.network, &self.record.network) {
+        let (logits, scalings) = match (&self.network, &self.record.network) {
             (Some(network), Some(record)) if window.is_some() || !network.looks_at_window() => {
                 let mut scores = [0.0; features::COUNT];
                 self.baseline.write_scores(features, &mut scores);
-                network.logits(&scores[..self.baseline.used.len()], window, scratch, &mut told[..classes]);
-                record.temperature
+                let mut logits = [0.0; 2];
+                let asked = &mut logits[..network.head.outputs().min(2)];
+                network.logits(&scores[..self.baseline.used.len()], window, scratch, asked);
+                (logits, &record.scalings)
             }
-            _ => {
-                told[..classes].copy_from_slice(&self.baseline.logits(features)[..classes]);
-                self.record.baseline_temperature
-            }
+            _ => (self.baseline.logits(features), &self.record.baseline_scalings),
         };
-        calibration::softmax(&mut told[..classes], temperature);
-        told
+        calibration::probabilities(logits, scalings, self.record.classes.len())
     }
 
     /// The same of the baseline alone.
     pub fn judge_baseline(&self, features: &[f32; features::COUNT]) -> Probabilities {
-        let classes = self.record.classes.len();
-        let mut told = [0.0; MOST_CLASSES];
-        told[..classes].copy_from_slice(&self.baseline.logits(features)[..classes]);
-        calibration::softmax(&mut told[..classes], self.record.baseline_temperature);
-        told
+        let Record { baseline_scalings, classes, .. } = &self.record;
+        calibration::probabilities(self.baseline.logits(features), baseline_scalings, classes.len())
     }
 }

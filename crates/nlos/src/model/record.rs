@@ -1,5 +1,6 @@
 //! What a model says of itself.
 
+use crate::calibration::Scalings;
 use crate::measures::Measures;
 use adit_observation::csv_log::labelled::LinkClass;
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,8 @@ pub struct Record {
     pub classes: Vec<LinkClass>,
     /// Names of the features it looks at, in order.
     pub features: Vec<String>,
-    /// Temperature of the baseline's logits.
-    pub baseline_temperature: f32,
+    /// From the baseline's logits to probabilities.
+    pub baseline_scalings: Scalings,
     /// The network, where there is one.
     pub network: Option<NetworkRecord>,
     /// Seed of everything drawn.
@@ -32,8 +33,8 @@ pub struct Record {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkRecord {
-    /// Temperature of its logits.
-    pub temperature: f32,
+    /// From its logits to probabilities.
+    pub scalings: Scalings,
     /// Passes over the data.
     pub epochs: u32,
 }

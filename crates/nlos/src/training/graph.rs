@@ -107,19 +107,19 @@ impl LearningBranch {
 
 impl Graph {
     /// With weights drawn; the head begins at zero, so that the logits are those of the discriminant.
-    pub fn new(sizes: &Sizes, features: usize, classes: usize, random: &mut ChaCha8Rng) -> Result<Self> {
+    pub fn new(sizes: &Sizes, features: usize, questions: usize, random: &mut ChaCha8Rng) -> Result<Self> {
         let response = if sizes.response { Some(LearningBranch::new(sizes, random)?) } else { None };
         let state = if sizes.response { sizes.state } else { 0 };
         let dense = LearningLayer::new(features, sizes.dense, 2.0, random)?;
         let inputs = state + sizes.dense + features;
         let head = LearningLayer {
-            weight: Var::zeros((inputs, classes), DType::F32, &Device::Cpu)?,
-            bias: Var::zeros(classes, DType::F32, &Device::Cpu)?,
+            weight: Var::zeros((inputs, questions), DType::F32, &Device::Cpu)?,
+            bias: Var::zeros(questions, DType::F32, &Device::Cpu)?,
         };
         Ok(Self { response, dense, head })
     }
 
-    /// What is added to the logits of the discriminant: batch × classes. `kept` silences inputs of the head (dropout).
+    /// What is added to the logits of the discriminant: batch × questions. `kept` silences inputs of the head (dropout).
     pub fn forward(&self, scores: &Tensor, windows: Option<&Tensor>, kept: Option<&Tensor>) -> Result<Tensor> {
         let dense = self.dense.forward(scores)?.relu()?;
         let found = match (&self.response, windows) {

@@ -20,8 +20,7 @@ use crate::network::Network;
 use crate::window;
 use augment::Augment;
 use candle_core::backprop::GradStore;
-use candle_core::{D, Device, Tensor, Var};
-use candle_nn::ops::log_softmax;
+use candle_core::{Device, Tensor, Var};
 use candle_nn::{AdamW, Optimizer, ParamsAdamW};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -64,7 +63,7 @@ pub struct Settings {
     /// Standard deviation of what is added to the scores of features.
     pub jitter: f32,
     /// Share of probability spread over all classes.
-    pub smoothing: f64,
+    pub smoothing: f32,
 }
 
 impl Settings {
@@ -82,7 +81,7 @@ impl Settings {
             decay: number("WD", 0.05),
             dropout: number("DO", 0.3) as f32,
             jitter: number("JI", 0.3) as f32,
-            smoothing: number("SM", 0.05),
+            smoothing: number("SM", 0.05) as f32,
         }
     }
 }
@@ -97,9 +96,9 @@ pub fn train(
     mut after: impl FnMut(u32, Network),
 ) -> Result<(), NlosError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let classes = examples.classes.len();
+    let questions = examples.questions();
     let features = baseline.used.len();
-    let graph = Graph::new(&settings.sizes, features, classes, &mut random)?;
+    let graph = Graph::new(&settings.sizes, features, questions.len(), &mut random)?;
     let variables = graph.variables();
     let parameters = ParamsAdamW { lr: settings.rate, weight_decay: settings.decay, ..ParamsAdamW::default() };
     let mut optimizer = AdamW::new(variables.clone(), parameters)?;
@@ -108,13 +107,13 @@ pub fn train(
     let head = graph.head_inputs()?;
     let steps = settings.samples.div_ceil(settings.batch);
     let total = steps * settings.epochs as usize;
-    let offset: Vec<Tensor> = discriminant_tensors(&baseline.discriminant, features)?;
+    let (weights, bias) = discriminant_tensors(&baseline.discriminants, features)?;
     let mut step = 0;
     for epoch in 0..settings.epochs {
         for _ in 0..steps {
             optimizer.set_learning_rate(settings.rate * schedule(step, steps, total));
             step += 1;
-            let (mut scores, mut windows, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut scores, mut windows, mut answers, mut asked) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             for _ in 0..settings.batch {
                 let row = &examples.rows[drawing.draw(&mut random)];
                 let mut z = baseline.scores(&row.features);
@@ -125,11 +124,12 @@ pub fn train(
                     augment.window(&mut taps, &mut random);
                     windows.extend(taps);
                 }
-                let smooth = settings.smoothing / classes as f64;
-                #[expect(clippy::cast_possible_truncation, reason = "a probability")]
-                labels.extend((0..classes).map(|c| {
-                    if c == row.class { (1.0 - settings.smoothing + smooth) as f32 } else { smooth as f32 }
-                }));
+                for question in questions {
+                    let answer = question.answer(row);
+                    asked.push(f32::from(u8::from(answer.is_some())));
+                    let yes = f32::from(u8::from(answer == Some(false)));
+                    answers.push(yes * (1.0 - settings.smoothing) + 0.5 * settings.smoothing);
+                }
             }
             let mut kept: Vec<f32> = augment.kept(settings.batch * head, &mut random);
             if std::env::var("RO").is_ok() { for (k, v) in kept.iter_mut().enumerate() { if k % head >= settings.sizes.state { *v = 0.0; } } }
@@ -141,14 +141,13 @@ pub fn train(
                 None
             };
             let added = graph.forward(&scores, windows.as_ref(), Some(&tensor(kept, head)?))?;
-            let start = scores.matmul(&offset[0])?.broadcast_add(&offset[1])?;
-            let told = log_softmax(&(start + added)?, D::Minus1)?;
-            let loss = (told * tensor(labels, classes)?)?.sum_all()?.affine(-1.0 / settings.batch as f64, 0.0)?;
+            let start = scores.matmul(&weights)?.broadcast_add(&bias)?;
+            let loss = cross_entropy(&(start + added)?, &tensor(answers, questions.len())?, &tensor(asked, questions.len())?)?;
             let mut gradients = loss.backward()?;
             clip(&variables, &mut gradients, 1.0)?;
             optimizer.step(&gradients)?;
         }
-        after(epoch + 1, with_discriminant(graph.network()?, &baseline.discriminant));
+        after(epoch + 1, with_discriminants(graph.network()?, &baseline.discriminants));
     }
     Ok(())
 }
@@ -162,28 +161,33 @@ fn schedule(step: usize, warm: usize, total: usize) -> f64 {
     0.5 * (1.0 + (std::f64::consts::PI * done).cos())
 }
 
-/// Weights (features × classes) and bias of the discriminant at its start temperature.
-fn discriminant_tensors(discriminant: &Discriminant, features: usize) -> candle_core::Result<Vec<Tensor>> {
-    let classes = discriminant.bias.len();
-    let weights: Vec<f32> = (0..features)
-        .flat_map(|f| discriminant.weights.iter().map(move |w| w[f] / START_TEMPERATURE))
-        .collect();
-    let bias: Vec<f32> = discriminant.bias.iter().map(|b| b / START_TEMPERATURE).collect();
-    Ok(vec![
-        Tensor::from_vec(weights, (features, classes), &Device::Cpu)?,
-        Tensor::from_vec(bias, classes, &Device::Cpu)?,
-    ])
+/// Mean over the batch of `−y ln σ(l) − (1 − y) ln(1 − σ(l)) = max(l, 0) − l y + ln(1 + e^−|l|)`, of the questions that were asked.
+fn cross_entropy(logits: &Tensor, answers: &Tensor, asked: &Tensor) -> candle_core::Result<Tensor> {
+    let tail = (logits.abs()?.neg()?.exp()? + 1.0)?.log()?;
+    let loss = ((logits.relu()? - (logits * answers)?)? + tail)?;
+    (loss * asked)?.sum_all()?.affine(1.0 / logits.dim(0)? as f64, 0.0)
 }
 
-/// The network with the discriminant in its head: one sum less to ask for.
-fn with_discriminant(mut network: Network, discriminant: &Discriminant) -> Network {
-    let classes = discriminant.bias.len();
-    let features = network.dense.inputs();
-    let before = (network.head.inputs() - features) * classes;
-    for (class, (weights, bias)) in discriminant.weights.iter().zip(&discriminant.bias).enumerate() {
-        network.head.bias[class] += bias / START_TEMPERATURE;
-        for (feature, weight) in weights.iter().enumerate() {
-            network.head.weight[before + feature * classes + class] += weight / START_TEMPERATURE;
+/// Weights (features × questions) and bias of the discriminants at their start temperature.
+fn discriminant_tensors(discriminants: &[Discriminant], features: usize) -> candle_core::Result<(Tensor, Tensor)> {
+    let weights: Vec<f32> = (0..features)
+        .flat_map(|f| discriminants.iter().map(move |d| d.weights[f] / START_TEMPERATURE))
+        .collect();
+    let bias: Vec<f32> = discriminants.iter().map(|d| d.bias / START_TEMPERATURE).collect();
+    Ok((
+        Tensor::from_vec(weights, (features, discriminants.len()), &Device::Cpu)?,
+        Tensor::from_vec(bias, discriminants.len(), &Device::Cpu)?,
+    ))
+}
+
+/// The network with the discriminants in its head: one sum less to ask for.
+fn with_discriminants(mut network: Network, discriminants: &[Discriminant]) -> Network {
+    let questions = discriminants.len();
+    let before = (network.head.inputs() - network.dense.inputs()) * questions;
+    for (k, discriminant) in discriminants.iter().enumerate() {
+        network.head.bias[k] += discriminant.bias / START_TEMPERATURE;
+        for (feature, weight) in discriminant.weights.iter().enumerate() {
+            network.head.weight[before + feature * questions + k] += weight / START_TEMPERATURE;
         }
     }
     network
@@ -208,28 +212,33 @@ fn clip(variables: &[Var], gradients: &mut GradStore, most: f64) -> candle_core:
     Ok(())
 }
 
-/// Draws rows: a class, a group of it, a range of the group.
+/// Draws rows: a class and a set, a group of both, a range of the group.
 struct Drawing {
-    classes: Vec<Vec<Vec<usize>>>,
+    cells: Vec<Vec<Vec<usize>>>,
 }
 
 impl Drawing {
     fn new(examples: &Examples, rows: &[usize]) -> Self {
-        let of = |class: usize| -> Vec<Vec<usize>> {
+        let of = |(class, tells): (usize, bool)| -> Vec<Vec<usize>> {
             let mut groups = vec![Vec::new(); examples.groups.len()];
-            for row in rows.iter().filter(|row| examples.rows[**row].class == class) {
+            let here = |row: &&usize| {
+                let row = &examples.rows[**row];
+                row.class == class && row.tells_ndp == tells
+            };
+            for row in rows.iter().filter(here) {
                 groups[examples.rows[*row].group].push(*row);
             }
             groups.retain(|group| !group.is_empty());
             groups
         };
-        let mut classes: Vec<_> = (0..examples.classes.len()).map(of).collect();
-        classes.retain(|groups| !groups.is_empty());
-        Self { classes }
+        let cells = (0..examples.classes.len()).flat_map(|class| [(class, false), (class, true)]);
+        let mut cells: Vec<_> = cells.map(of).collect();
+        cells.retain(|groups| !groups.is_empty());
+        Self { cells }
     }
 
     fn draw(&self, random: &mut ChaCha8Rng) -> usize {
-        let groups = &self.classes[below(self.classes.len(), random)];
+        let groups = &self.cells[below(self.cells.len(), random)];
         let group = &groups[below(groups.len(), random)];
         group[below(group.len(), random)]
     }

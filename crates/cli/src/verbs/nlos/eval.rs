@@ -14,7 +14,7 @@ pub fn run(args: &NlosEvalArgs) -> Result<()> {
     let name = args.model.display().to_string();
     let bytes = fs::read(&args.model).with_context(|| format!("{name}: cannot read it"))?;
     let model = Model::from_bytes(&name, &bytes)?;
-    let judgement = judge(&model, &Examples::of(&read(&args.data)?)?);
+    let judgement = judge(&model, &Examples::of(&read(&args.data)?));
     if args.json {
         return output::print(&(serde_json::to_string_pretty(&judgement)? + "\n"));
     }
