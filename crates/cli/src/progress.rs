@@ -33,6 +33,9 @@ pub enum Unit {
     Bytes,
     /// Samples.
     Samples,
+    /// Passes over the data of a training.
+    #[cfg(feature = "train")]
+    Passes,
 }
 
 impl Progress {
@@ -45,6 +48,8 @@ impl Progress {
             }
             (Unit::Bytes, None) => "{msg:9} {spinner} {bytes} {binary_bytes_per_sec}",
             (Unit::Samples, Some(_)) => "{msg:9} [{bar:40}] {human_pos}/{human_len} {per_sec} {eta} left",
+            #[cfg(feature = "train")]
+            (Unit::Passes, _) => "{msg:9} [{bar:40}] {pos}/{len} passes {eta} left",
             (Unit::Samples, None) => "{msg:9} {spinner} {human_pos} {per_sec}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {

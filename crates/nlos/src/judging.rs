@@ -73,8 +73,14 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
 
 /// What is learnt of some rows and asked of others.
 pub trait Learner: Sync {
-    /// Learns of the rows `learn` and gives the logits of the rows `ask`.
-    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], fold: u64) -> Result<Vec<Logits>, NlosError>;
+    /// Learns of the rows `learn` and gives the logits of the rows `ask`: once, or after each pass over the data.
+    fn logits(
+        &self,
+        examples: &Examples,
+        learn: &[usize],
+        ask: &[usize],
+        fold: u64,
+    ) -> Result<Vec<Vec<Logits>>, NlosError>;
 }
 
 /// The discriminant.
@@ -85,14 +91,20 @@ pub struct BaselineLearner {
 }
 
 impl Learner for BaselineLearner {
-    fn logits(&self, examples: &Examples, learn: &[usize], ask: &[usize], _: u64) -> Result<Vec<Logits>, NlosError> {
+    fn logits(
+        &self,
+        examples: &Examples,
+        learn: &[usize],
+        ask: &[usize],
+        _: u64,
+    ) -> Result<Vec<Vec<Logits>>, NlosError> {
         let baseline = Baseline::learn(examples, learn, self.shrinkage)?;
-        Ok(ask.iter().map(|row| baseline.logits(&examples.rows[*row].features)).collect())
+        Ok(vec![ask.iter().map(|row| baseline.logits(&examples.rows[*row].features)).collect()])
     }
 }
 
 /// Judgements of every row by what was learnt without its group.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct HeldOut {
     /// Of every judged row its number.
     pub rows: Vec<usize>,
@@ -101,22 +113,22 @@ pub struct HeldOut {
 }
 
 impl HeldOut {
-    /// Fold by fold; `also` are rows to learn from that are never held out.
-    pub fn of(
+    /// Fold by fold, after each pass; `also` are rows to learn from that are never held out.
+    pub fn after_each(
         learner: &impl Learner,
         examples: &Examples,
         folds: &[Vec<usize>],
         also: &[usize],
-    ) -> Result<Self, NlosError> {
-        let judged: Vec<(Vec<usize>, Vec<Logits>)> = folds
+    ) -> Result<Vec<Self>, NlosError> {
+        let of = |groups: &[usize]| -> Vec<usize> {
+            (0..examples.rows.len()).filter(|row| groups.contains(&examples.rows[*row].group)).collect()
+        };
+        let judged: Vec<(Vec<usize>, Vec<Vec<Logits>>)> = folds
             .par_iter()
             .enumerate()
             .map(|(fold, held)| {
                 let everything = folds.iter().flatten();
                 let others: Vec<usize> = everything.copied().filter(|group| !held.contains(group)).collect();
-                let of = |groups: &[usize]| -> Vec<usize> {
-                    (0..examples.rows.len()).filter(|row| groups.contains(&examples.rows[*row].group)).collect()
-                };
                 let mut learn = of(&others);
                 learn.extend(also);
                 let ask = of(held);
@@ -124,8 +136,24 @@ impl HeldOut {
                 Ok((ask, logits))
             })
             .collect::<Result<_, NlosError>>()?;
-        let (rows, logits): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
-        Ok(Self { rows: rows.concat(), logits: logits.concat() })
+        let mut passes = vec![Self::default(); judged.first().map_or(0, |(_, logits)| logits.len())];
+        for (rows, logits) in judged {
+            for (pass, logits) in passes.iter_mut().zip(logits) {
+                pass.rows.extend(&rows);
+                pass.logits.extend(logits);
+            }
+        }
+        Ok(passes)
+    }
+
+    /// The same of what is learnt at once.
+    pub fn of(
+        learner: &impl Learner,
+        examples: &Examples,
+        folds: &[Vec<usize>],
+        also: &[usize],
+    ) -> Result<Self, NlosError> {
+        Ok(Self::after_each(learner, examples, folds, also)?.pop().unwrap_or_default())
     }
 
     /// The scalings that make them hold, of the rows that `with` lets count.

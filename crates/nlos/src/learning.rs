@@ -7,8 +7,16 @@ use crate::features;
 use crate::folds;
 use crate::judging::{BaselineLearner, HeldOut};
 use crate::measures::Measures;
+#[cfg(feature = "train")]
+use crate::model::NetworkRecord;
 use crate::model::{DataRecord, HeldOutRecord, Model, Record, ScoreRecord, VERSION};
+#[cfg(feature = "train")]
+use crate::training::{self, NetworkLearner, Settings};
 use adit_observation::csv_log::labelled::{LabelledRanges, LinkClass};
+#[cfg(feature = "train")]
+use std::ops::ControlFlow;
+#[cfg(feature = "train")]
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How to learn.
 #[derive(Debug, Clone)]
@@ -91,6 +99,41 @@ pub fn learn_baseline(data: &Data, plan: &Plan) -> Result<Learnt, NlosError> {
     Ok(Learnt { model: Model { record, baseline, network: None }, baseline: measures, network: None })
 }
 
+/// Learns the baseline and the network. `progress` is told the passes that are done and how many there will be.
+#[cfg(feature = "train")]
+pub fn learn(
+    data: &Data,
+    plan: &Plan,
+    settings: &Settings,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Learnt, NlosError> {
+    let mut learnt = learn_baseline(data, plan)?;
+    let examples = &data.examples;
+    let folds = data.folds(plan)?;
+    let (done, total) = (AtomicU64::new(0), u64::from(settings.epochs) * (folds.len() as u64 + 1));
+    let pass = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+    // After each pass the judgements of what was held out, fold by fold.
+    let learner = NetworkLearner { settings, seed: plan.seed, after: &pass };
+    let passes = HeldOut::after_each(&learner, examples, &folds, &data.also)?;
+    let judged: Vec<Measures> = passes.iter().map(|held| held.measures(examples)).collect();
+    let best = (0..judged.len()).min_by(|a, b| judged[*a].log_loss.total_cmp(&judged[*b].log_loss));
+    let best = best.ok_or(NlosError::NoFeatures)?;
+    let epochs = u32::try_from(best + 1).unwrap_or(settings.epochs);
+    let mut network = None;
+    training::train(examples, &data.everything(), &learnt.model.baseline, settings, plan.seed, |epoch, made| {
+        pass();
+        network = Some(made);
+        if epoch == epochs { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    let measures = judged[best].clone();
+    learnt.model.record.network =
+        Some(NetworkRecord { scalings: passes[best].scalings(examples), epochs });
+    learnt.model.record.held_out.network = Some(ScoreRecord::from(&measures));
+    learnt.model.network = network;
+    learnt.network = Some(measures);
+    Ok(learnt)
+}
+
 fn record(set: &LabelledRanges, classes: &[LinkClass], only_learnt: bool) -> DataRecord {
     let of = |class: LinkClass| set.ranges.iter().filter(move |range| range.class == class);
     let groups = |class: &LinkClass| {
@@ -99,9 +142,7 @@ fn record(set: &LabelledRanges, classes: &[LinkClass], only_learnt: bool) -> Dat
         groups.dedup();
         groups.len()
     };
-    // A folder is known by its name, not by that of the table in it.
-    let folder = set.file.parent().and_then(std::path::Path::file_name);
-    let name = folder.or(set.file.file_name()).unwrap_or_default();
+    let name = set.path.file_name().unwrap_or(set.path.as_os_str());
     DataRecord {
         name: name.to_string_lossy().into_owned(),
         ranges: classes.iter().map(|class| of(*class).count()).collect(),

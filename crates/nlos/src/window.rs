@@ -17,6 +17,9 @@ const FLOOR_DB: f32 = 40.0;
 /// Tap by tap, [`CHANNELS`] values each.
 pub type Window = [f32; TAPS * CHANNELS];
 
+/// That of nothing at all.
+pub const SILENT: Window = [0.0; TAPS * CHANNELS];
+
 /// The window of a reception; `None` without a response, or where the first path lies outside of it.
 pub fn of(reception: &Reception) -> Option<Window> {
     let response = reception.impulse_response.as_ref()?;
@@ -31,7 +34,7 @@ pub fn of(reception: &Reception) -> Option<Window> {
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the taps")]
     let first = first as usize;
-    let mut window = [0.0; TAPS * CHANNELS];
+    let mut window = SILENT;
     let (taps, _) = window.as_chunks_mut::<CHANNELS>();
     for (k, value) in taps.iter_mut().enumerate() {
         // What the device has not kept is silent.

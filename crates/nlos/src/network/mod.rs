@@ -17,7 +17,7 @@ mod scratch;
 
 pub use scratch::Scratch;
 
-use crate::window::{CHANNELS, TAPS, Window};
+use crate::window::{self, CHANNELS, TAPS, Window};
 use kernel::affine;
 
 /// Taps that a convolution looks at.
@@ -98,9 +98,8 @@ impl Network {
     /// Number of weights.
     pub fn weights(&self) -> usize {
         let layer = |layer: &Layer| layer.weight.len() + layer.bias.len();
-        let response =
-            self.response.as_ref().map_or(0, |r| layer(&r.first) + layer(&r.second) + layer(&r.input) + r.recurrent.len());
-        response + layer(&self.dense) + layer(&self.head)
+        let of = |r: &ResponseBranch| layer(&r.first) + layer(&r.second) + layer(&r.input) + r.recurrent.len();
+        self.response.as_ref().map_or(0, of) + layer(&self.dense) + layer(&self.head)
     }
 
     /// Logits of one reception: scores of its features and its window.
@@ -141,8 +140,7 @@ impl ResponseBranch {
         let (count, state) = (asked.len(), self.state());
         let Scratch { first, second, gates, hidden, cell, .. } = scratch;
         for (k, (_, window)) in asked.iter().enumerate() {
-            let silent = [0.0; TAPS * CHANNELS];
-            let window = window.unwrap_or(&silent);
+            let window = window.unwrap_or(&window::SILENT);
             affine(&self.first, window, FIRST, STRIDE * CHANNELS, first, self.first.outputs());
             kernel::relu(first);
             affine(&self.second, first, STEPS, STRIDE * self.first.outputs(), second, self.second.outputs());

@@ -9,8 +9,10 @@
 
 mod augment;
 mod graph;
+mod learner;
 
 pub use graph::Graph;
+pub use learner::NetworkLearner;
 
 use crate::baseline::Baseline;
 use crate::discriminant::Discriminant;
@@ -24,6 +26,7 @@ use candle_core::{Device, Tensor, Var};
 use candle_nn::{AdamW, Optimizer, ParamsAdamW};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::ops::ControlFlow;
 
 /// Temperature at which the discriminant enters the sum.
 const START_TEMPERATURE: f32 = 3.0;
@@ -68,37 +71,33 @@ pub struct Settings {
 
 impl Settings {
     /// For ranges with or without responses.
-    pub fn of(response: bool) -> Self {
-        let number = |name: &str, default: f64| {
-            std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-        };
+    pub const fn of(response: bool) -> Self {
         Self {
-            sizes: Sizes { response, first: number("C1", 16.0) as usize, second: number("C2", 24.0) as usize, state: number("ST", 32.0) as usize, dense: number("DE", 16.0) as usize },
-            epochs: number("EP", 12.0) as u32,
-            samples: number("SA", 1024.0) as usize,
+            sizes: Sizes { response, first: 16, second: 24, state: 32, dense: 16 },
+            epochs: 6,
+            samples: 1024,
             batch: 64,
-            rate: number("LR", 2e-3),
-            decay: number("WD", 0.05),
-            dropout: number("DO", 0.3) as f32,
-            jitter: number("JI", 0.3) as f32,
-            smoothing: number("SM", 0.05) as f32,
+            rate: 1e-3,
+            decay: 0.05,
+            dropout: 0.3,
+            jitter: 0.3,
+            smoothing: 0.05,
         }
     }
 }
 
-/// Trains on some rows; gives the network after each pass.
+/// Trains on some rows; gives the network after each pass, until told to stop.
 pub fn train(
     examples: &Examples,
     rows: &[usize],
     baseline: &Baseline,
     settings: &Settings,
     seed: u64,
-    mut after: impl FnMut(u32, Network),
+    mut after: impl FnMut(u32, Network) -> ControlFlow<()>,
 ) -> Result<(), NlosError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let questions = examples.questions();
     let features = baseline.used.len();
-    let graph = Graph::new(&settings.sizes, features, questions.len(), &mut random)?;
+    let graph = Graph::new(&settings.sizes, features, examples.questions().len(), &mut random)?;
     let variables = graph.variables();
     let parameters = ParamsAdamW { lr: settings.rate, weight_decay: settings.decay, ..ParamsAdamW::default() };
     let mut optimizer = AdamW::new(variables.clone(), parameters)?;
@@ -113,43 +112,74 @@ pub fn train(
         for _ in 0..steps {
             optimizer.set_learning_rate(settings.rate * schedule(step, steps, total));
             step += 1;
-            let (mut scores, mut windows, mut answers, mut asked) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            for _ in 0..settings.batch {
-                let row = &examples.rows[drawing.draw(&mut random)];
-                let mut z = baseline.scores(&row.features);
-                augment.scores(&mut z, &mut random);
-                scores.extend(z);
-                if settings.sizes.response {
-                    let mut taps = row.window.as_deref().copied().unwrap_or([0.0; window::TAPS * window::CHANNELS]);
-                    augment.window(&mut taps, &mut random);
-                    windows.extend(taps);
-                }
-                for question in questions {
-                    let answer = question.answer(row);
-                    asked.push(f32::from(u8::from(answer.is_some())));
-                    let yes = f32::from(u8::from(answer == Some(false)));
-                    answers.push(yes * (1.0 - settings.smoothing) + 0.5 * settings.smoothing);
-                }
-            }
-            let mut kept: Vec<f32> = augment.kept(settings.batch * head, &mut random);
-            if std::env::var("RO").is_ok() { for (k, v) in kept.iter_mut().enumerate() { if k % head >= settings.sizes.state { *v = 0.0; } } }
-            let tensor = |values: Vec<f32>, width: usize| Tensor::from_vec(values, (settings.batch, width), &Device::Cpu);
-            let scores = tensor(scores, features)?;
-            let windows = if settings.sizes.response {
-                Some(tensor(windows, window::TAPS * window::CHANNELS)?)
-            } else {
-                None
-            };
-            let added = graph.forward(&scores, windows.as_ref(), Some(&tensor(kept, head)?))?;
-            let start = scores.matmul(&weights)?.broadcast_add(&bias)?;
-            let loss = cross_entropy(&(start + added)?, &tensor(answers, questions.len())?, &tensor(asked, questions.len())?)?;
+            let batch = Batch::draw(examples, baseline, settings, &drawing, &augment, &mut random);
+            let loss = batch.loss(&graph, &weights, &bias, augment.kept(settings.batch * head, &mut random))?;
             let mut gradients = loss.backward()?;
             clip(&variables, &mut gradients, 1.0)?;
             optimizer.step(&gradients)?;
         }
-        after(epoch + 1, with_discriminants(graph.network()?, &baseline.discriminants));
+        if after(epoch + 1, with_discriminants(graph.network()?, &baseline.discriminants)).is_break() {
+            break;
+        }
     }
     Ok(())
+}
+
+/// Samples of a step, row by row.
+#[derive(Default)]
+struct Batch {
+    samples: usize,
+    scores: Vec<f32>,
+    windows: Vec<f32>,
+    /// Probability of yes in each question.
+    answers: Vec<f32>,
+    /// 1 where it is told, else 0.
+    asked: Vec<f32>,
+}
+
+impl Batch {
+    fn draw(
+        examples: &Examples,
+        baseline: &Baseline,
+        settings: &Settings,
+        drawing: &Drawing,
+        augment: &Augment,
+        random: &mut ChaCha8Rng,
+    ) -> Self {
+        let mut batch = Self { samples: settings.batch, ..Self::default() };
+        for _ in 0..settings.batch {
+            let row = &examples.rows[drawing.draw(random)];
+            let mut scores = baseline.scores(&row.features);
+            augment.scores(&mut scores, random);
+            batch.scores.extend(scores);
+            if settings.sizes.response {
+                let mut window = row.window.as_deref().copied().unwrap_or(window::SILENT);
+                augment.window(&mut window, random);
+                batch.windows.extend(window);
+            }
+            for question in examples.questions() {
+                let answer = question.answer(row);
+                batch.asked.push(f32::from(u8::from(answer.is_some())));
+                let yes = f32::from(u8::from(answer == Some(false)));
+                batch.answers.push(yes * (1.0 - settings.smoothing) + 0.5 * settings.smoothing);
+            }
+        }
+        batch
+    }
+
+    /// Its loss, with the discriminants' weights and bias and the inputs of the head that are kept.
+    fn loss(self, graph: &Graph, weights: &Tensor, bias: &Tensor, kept: Vec<f32>) -> candle_core::Result<Tensor> {
+        let samples = self.samples;
+        let tensor = |values: Vec<f32>| {
+            let width = values.len() / samples;
+            Tensor::from_vec(values, (samples, width), &Device::Cpu)
+        };
+        let scores = tensor(self.scores)?;
+        let windows = if self.windows.is_empty() { None } else { Some(tensor(self.windows)?) };
+        let added = graph.forward(&scores, windows.as_ref(), Some(&tensor(kept)?))?;
+        let start = scores.matmul(weights)?.broadcast_add(bias)?;
+        cross_entropy(&(start + added)?, &tensor(self.answers)?, &tensor(self.asked)?)
+    }
 }
 
 /// Warm-up over one pass, then half a cosine to zero.

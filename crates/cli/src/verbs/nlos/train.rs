@@ -3,8 +3,12 @@
 use super::{read, table};
 use crate::args::NlosTrainArgs;
 use crate::output;
+#[cfg(feature = "train")]
+use crate::progress::{Progress, Unit};
 use adit_nlos::learning::{self, Data, Learnt, Plan};
 use adit_nlos::measures::Measures;
+#[cfg(feature = "train")]
+use adit_nlos::training::Settings;
 use adit_observation::files::AtomicFile;
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -43,7 +47,14 @@ fn learn(args: &NlosTrainArgs, data: &Data, plan: &Plan) -> Result<Learnt> {
     if args.baseline {
         return Ok(learning::learn_baseline(data, plan)?);
     }
-    anyhow::bail!("not yet")
+    let response = data.examples.rows.iter().filter(|row| row.window.is_some()).count();
+    let settings = Settings::of(2 * response > data.examples.rows.len());
+    let bar = std::sync::OnceLock::new();
+    let show = |done, total| {
+        let bar: &Progress = bar.get_or_init(|| Progress::new("learning", Unit::Passes, Some(total)));
+        bar.at(done);
+    };
+    Ok(learning::learn(data, plan, &settings, &show)?)
 }
 
 #[cfg(not(feature = "train"))]

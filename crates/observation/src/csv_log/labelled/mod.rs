@@ -61,6 +61,8 @@ pub struct LabelledRange {
 /// A set of labelled ranges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelledRanges {
+    /// What was read: the folder or the table.
+    pub path: PathBuf,
     /// The file that tells the classes.
     pub file: PathBuf,
     /// Names of the groups, in order of the first row of each.
@@ -95,9 +97,12 @@ impl LinkClass {
 /// Reads a folder or a table.
 pub fn read(path: impl AsRef<Path>) -> Result<LabelledRanges, LogError> {
     let path = path.as_ref();
-    if !path.is_dir() {
-        return from_inputs(Input::open(path)?, None);
-    }
+    let mut set = if path.is_dir() { folder(path) } else { from_inputs(Input::open(path)?, None) }?;
+    set.path = path.to_path_buf();
+    Ok(set)
+}
+
+fn folder(path: &Path) -> Result<LabelledRanges, LogError> {
     match (beside(path, "meta.csv"), beside(path, "cir_i16le.bin"), beside(path, "ranges.csv")) {
         (Some(table), Some(responses), _) => {
             from_inputs(Input::open(table)?, Some(Input::open(responses)?))

@@ -42,6 +42,7 @@ pub fn read(input: Input) -> Result<LabelledRanges, LogError> {
     let columns = Columns::find(header.iter().map(name).collect(), &table, &mut warnings)?;
     let mut known: HashMap<String, usize> = HashMap::new();
     let mut set = LabelledRanges {
+        path: table.file().to_path_buf(),
         file: table.file().to_path_buf(),
         groups: Vec::new(),
         ranges: Vec::new(),
