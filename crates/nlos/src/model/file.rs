@@ -49,7 +49,8 @@ impl Model {
             named("discriminant.bias", &[discriminants.len()], &biases),
         ];
         if let Some(network) = &self.network {
-            let mut layers = vec![("dense", &network.dense), ("head", &network.head)];
+            let mut layers = vec![("head", &network.head)];
+            layers.extend(network.dense.as_ref().map(|dense| ("dense", dense)));
             if let Some(response) = &network.response {
                 layers.extend([("first", &response.first), ("second", &response.second), ("input", &response.input)]);
                 let state = response.state();
@@ -145,8 +146,9 @@ impl<'a> Reader<'a> {
             None
         };
         let state = response.as_ref().map_or(0, ResponseBranch::state);
-        let dense = self.layer("dense", features)?;
-        let head = self.layer("head", state + dense.outputs() + features)?;
+        let has_dense = self.tensors.names().contains(&"network.dense.weight");
+        let dense = if has_dense { Some(self.layer("dense", features)?) } else { None };
+        let head = self.layer("head", state + dense.as_ref().map_or(0, Layer::outputs) + features)?;
         if head.outputs() != questions {
             return Err(self.fail(format!("network.head has {} outputs, expected {questions}", head.outputs())));
         }

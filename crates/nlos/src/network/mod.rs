@@ -1,16 +1,15 @@
 //! The network: convolutions over the response, an LSTM over what they find, and a head that also sees the features made by hand.
 //!
 //! ```text
-//! window 80 × 2 ─ conv 5, stride 2 ─ ReLU ─ conv 5, stride 2 ─ ReLU ─ 17 steps ─ LSTM ─ last state ─┐
-//! scores of the features ───────────────────────────────────────────────────── dense ─ ReLU ─┼─ linear ─ logits
-//!                        └──────────────────────────────────────────────────────────────────────────┘
+//! window 80 × 2 ─ conv 5, stride 2 ─ ReLU ─ conv 5, stride 2 ─ ReLU ─ 17 steps ─ LSTM ─ last state ─┬─ linear ─ logits
+//! scores of the features made by hand ──────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! System S4 (Jia et al. 2024) gives a CNN that feeds an LSTM and no sizes; they are chosen by experiment (`docs/methods/nlos.md`). LSTM (Hochreiter & Schmidhuber 1997, with the forget gate of Gers,
 //! Schmidhuber & Cummins 2000): `i, f, o = σ(W x + U h + b)`, `g = tanh(W x + U h + b)`, `c ← f c + i g`, `h ← o tanh c`; gates in the order i, f, g, o.
 //!
 //! Inference is plain Rust without allocation: all products are [`kernel::affine`], whose loops the compiler turns into vector instructions. It gives the same bits
-//! on every platform, as it uses no fused products and no library's `exp`. A model for tables of diagnostics has no response branch.
+//! on every platform, as it uses no fused products and no library's `exp`. A model for tables of diagnostics has a dense layer of the scores in place of the response.
 
 pub mod kernel;
 mod scratch;
@@ -83,9 +82,9 @@ impl ResponseBranch {
 pub struct Network {
     /// What looks at the response, unless it looks at the features alone.
     pub response: Option<ResponseBranch>,
-    /// Of the features.
-    pub dense: Layer,
-    /// Of the state, the dense layer and the features, in this order.
+    /// Of the scores, where there is no response.
+    pub dense: Option<Layer>,
+    /// Of the state, the dense layer and the scores, in this order.
     pub head: Layer,
 }
 
@@ -99,7 +98,7 @@ impl Network {
     pub fn weights(&self) -> usize {
         let layer = |layer: &Layer| layer.weight.len() + layer.bias.len();
         let of = |r: &ResponseBranch| layer(&r.first) + layer(&r.second) + layer(&r.input) + r.recurrent.len();
-        self.response.as_ref().map_or(0, of) + layer(&self.dense) + layer(&self.head)
+        self.response.as_ref().map_or(0, of) + self.dense.as_ref().map_or(0, layer) + layer(&self.head)
     }
 
     /// Logits of one reception: scores of its features and its window.
@@ -121,14 +120,16 @@ impl Network {
 
     /// The dense layer and the head, of the states in `scratch`.
     fn finish(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
-        let (dense, state) = (self.dense.outputs(), self.response.as_ref().map_or(0, ResponseBranch::state));
+        let state = self.response.as_ref().map_or(0, ResponseBranch::state);
+        let before = state + self.dense.as_ref().map_or(0, Layer::outputs);
         let Scratch { hidden, found, .. } = scratch;
         for (k, ((scores, _), into)) in asked.iter().zip(into.chunks_mut(self.head.outputs())).enumerate() {
-            let found = &mut found[..state + dense + scores.len()];
             found[..state].copy_from_slice(&hidden[k * state..(k + 1) * state]);
-            affine(&self.dense, scores, 1, 0, &mut found[state..state + dense], dense);
-            kernel::relu(&mut found[state..state + dense]);
-            found[state + dense..].copy_from_slice(scores);
+            if let Some(dense) = &self.dense {
+                affine(dense, scores, 1, 0, &mut found[state..before], 0);
+                kernel::relu(&mut found[state..before]);
+            }
+            found[before..].copy_from_slice(scores);
             affine(&self.head, found, 1, 0, into, 0);
         }
     }

@@ -28,9 +28,14 @@ struct LearningBranch {
 
 /// A network that learns; its logits are added to those of a discriminant.
 pub struct Graph {
-    response: Option<LearningBranch>,
-    dense: LearningLayer,
+    found: Found,
     head: LearningLayer,
+}
+
+/// What the head looks at: the response, or a dense layer of the scores where there is none.
+enum Found {
+    Response(LearningBranch),
+    Dense(LearningLayer),
 }
 
 fn normal(shape: (usize, usize), sigma: f64, random: &mut ChaCha8Rng) -> Result<Var> {
@@ -108,31 +113,26 @@ impl LearningBranch {
 impl Graph {
     /// With weights drawn; the head begins at zero, so that the logits are those of the discriminant.
     pub fn new(sizes: &Sizes, features: usize, questions: usize, random: &mut ChaCha8Rng) -> Result<Self> {
-        let response = if sizes.response { Some(LearningBranch::new(sizes, random)?) } else { None };
-        let state = if sizes.response { sizes.state } else { 0 };
-        let dense = LearningLayer::new(features, sizes.dense, 2.0, random)?;
-        let inputs = state + sizes.dense + features;
+        let (found, inputs) = if sizes.response {
+            (Found::Response(LearningBranch::new(sizes, random)?), sizes.state)
+        } else {
+            (Found::Dense(LearningLayer::new(features, sizes.dense, 2.0, random)?), sizes.dense)
+        };
         let head = LearningLayer {
             weight: Var::zeros((inputs, questions), DType::F32, &Device::Cpu)?,
             bias: Var::zeros(questions, DType::F32, &Device::Cpu)?,
         };
-        Ok(Self { response, dense, head })
+        Ok(Self { found, head })
     }
 
-    /// What is added to the logits of the discriminant: batch × questions. `kept` silences inputs of the head (dropout).
-    pub fn forward(&self, scores: &Tensor, windows: Option<&Tensor>, kept: Option<&Tensor>) -> Result<Tensor> {
-        let dense = self.dense.forward(scores)?.relu()?;
-        let found = match (&self.response, windows) {
-            (Some(response), Some(windows)) => {
-                Tensor::cat(&[&response.forward(windows)?, &dense, scores], 1)?
-            }
-            _ => Tensor::cat(&[&dense, scores], 1)?,
+    /// What is added to the logits of the discriminant: batch × questions. `seen` are windows where the network looks at the response, else scores; `kept`
+    /// silences inputs of the head (dropout).
+    pub fn forward(&self, seen: &Tensor, kept: &Tensor) -> Result<Tensor> {
+        let found = match &self.found {
+            Found::Response(branch) => branch.forward(seen)?,
+            Found::Dense(layer) => layer.forward(seen)?.relu()?,
         };
-        let found = match kept {
-            Some(kept) => (found * kept)?,
-            None => found,
-        };
-        self.head.forward(&found)
+        self.head.forward(&(found * kept)?)
     }
 
     /// Inputs of the head.
@@ -143,10 +143,13 @@ impl Graph {
     /// Everything that learns.
     pub fn variables(&self) -> Vec<Var> {
         let mut variables = Vec::new();
-        let mut layers = vec![&self.dense, &self.head];
-        if let Some(branch) = &self.response {
-            layers.extend([&branch.first, &branch.second, &branch.input]);
-            variables.push(branch.recurrent.clone());
+        let mut layers = vec![&self.head];
+        match &self.found {
+            Found::Response(branch) => {
+                layers.extend([&branch.first, &branch.second, &branch.input]);
+                variables.push(branch.recurrent.clone());
+            }
+            Found::Dense(layer) => layers.push(layer),
         }
         for layer in layers {
             variables.extend([layer.weight.clone(), layer.bias.clone()]);
@@ -154,17 +157,23 @@ impl Graph {
         variables
     }
 
-    /// As it is asked.
-    pub fn network(&self) -> Result<Network> {
-        let response = match &self.response {
-            None => None,
-            Some(branch) => Some(ResponseBranch {
-                first: branch.first.layer()?,
-                second: branch.second.layer()?,
-                input: branch.input.layer()?,
-                recurrent: branch.recurrent.flatten_all()?.to_vec1()?,
-            }),
+    /// As it is asked, with a discriminant (features × questions, and bias) in its head: one sum less.
+    pub fn network(&self, weights: &Tensor, bias: &Tensor) -> Result<Network> {
+        let (response, dense) = match &self.found {
+            Found::Dense(layer) => (None, Some(layer.layer()?)),
+            Found::Response(branch) => {
+                let response = ResponseBranch {
+                    first: branch.first.layer()?,
+                    second: branch.second.layer()?,
+                    input: branch.input.layer()?,
+                    recurrent: branch.recurrent.flatten_all()?.to_vec1()?,
+                };
+                (Some(response), None)
+            }
         };
-        Ok(Network { response, dense: self.dense.layer()?, head: self.head.layer()? })
+        let weight = Tensor::cat(&[self.head.weight.as_tensor(), weights], 0)?;
+        let bias = (self.head.bias.as_tensor() + bias)?;
+        let head = Layer { weight: weight.flatten_all()?.to_vec1()?, bias: bias.to_vec1()? };
+        Ok(Network { response, dense, head })
     }
 }

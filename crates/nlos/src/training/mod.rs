@@ -74,7 +74,7 @@ impl Settings {
     pub const fn of(response: bool) -> Self {
         Self {
             sizes: Sizes { response, first: 16, second: 24, state: 32, dense: 16 },
-            epochs: 6,
+            epochs: 4,
             samples: 1024,
             batch: 64,
             rate: 1e-3,
@@ -118,7 +118,7 @@ pub fn train(
             clip(&variables, &mut gradients, 1.0)?;
             optimizer.step(&gradients)?;
         }
-        if after(epoch + 1, with_discriminants(graph.network()?, &baseline.discriminants)).is_break() {
+        if after(epoch + 1, graph.network(&weights, &bias)?).is_break() {
             break;
         }
     }
@@ -175,8 +175,12 @@ impl Batch {
             Tensor::from_vec(values, (samples, width), &Device::Cpu)
         };
         let scores = tensor(self.scores)?;
-        let windows = if self.windows.is_empty() { None } else { Some(tensor(self.windows)?) };
-        let added = graph.forward(&scores, windows.as_ref(), Some(&tensor(kept)?))?;
+        let kept = tensor(kept)?;
+        let added = if self.windows.is_empty() {
+            graph.forward(&scores, &kept)?
+        } else {
+            graph.forward(&tensor(self.windows)?, &kept)?
+        };
         let start = scores.matmul(weights)?.broadcast_add(bias)?;
         cross_entropy(&(start + added)?, &tensor(self.answers)?, &tensor(self.asked)?)
     }
@@ -208,19 +212,6 @@ fn discriminant_tensors(discriminants: &[Discriminant], features: usize) -> cand
         Tensor::from_vec(weights, (features, discriminants.len()), &Device::Cpu)?,
         Tensor::from_vec(bias, discriminants.len(), &Device::Cpu)?,
     ))
-}
-
-/// The network with the discriminants in its head: one sum less to ask for.
-fn with_discriminants(mut network: Network, discriminants: &[Discriminant]) -> Network {
-    let questions = discriminants.len();
-    let before = (network.head.inputs() - network.dense.inputs()) * questions;
-    for (k, discriminant) in discriminants.iter().enumerate() {
-        network.head.bias[k] += discriminant.bias / START_TEMPERATURE;
-        for (feature, weight) in discriminant.weights.iter().enumerate() {
-            network.head.weight[before + feature * questions + k] += weight / START_TEMPERATURE;
-        }
-    }
-    network
 }
 
 /// Scales the gradients so that their norm is at most `most`.
