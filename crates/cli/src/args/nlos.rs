@@ -86,9 +86,9 @@ pub struct NlosEvalArgs {
     #[arg(value_name = "DATA", required = true, value_hint = ValueHint::AnyPath)]
     pub data: Vec<PathBuf>,
 
-    /// Model to judge
+    /// Model to judge [default: the one that ships with adit]
     #[arg(long, value_name = "M", value_hint = ValueHint::FilePath)]
-    pub model: PathBuf,
+    pub model: Option<PathBuf>,
 
     /// Print one JSON object instead of the table
     #[arg(long)]

@@ -7,6 +7,7 @@ pub use record::{DataRecord, HeldOutRecord, NetworkRecord, Record, ScoreRecord};
 
 use crate::baseline::Baseline;
 use crate::calibration;
+use crate::error::NlosError;
 use crate::features;
 use crate::network::{Network, Scratch};
 use crate::window::{self, Window};
@@ -31,7 +32,17 @@ pub struct Model {
     pub network: Option<Network>,
 }
 
+/// The model that ships with adit.
+///
+/// Learnt of the set uwb-cirs-2018 (Kolakowski, CC BY 4.0) and of rooms simulated by adit; its record tells the rest.
+const SHIPPED: &[u8] = include_bytes!("../../models/flat.safetensors");
+
 impl Model {
+    /// The model that ships with adit: three classes, DW1000, with or without impulse responses.
+    pub fn shipped() -> Result<Self, NlosError> {
+        Self::from_bytes("the model that ships with adit", SHIPPED)
+    }
+
     /// Judges a reception; with the baseline where there is no network, or no impulse response for it.
     pub fn judge(&self, reception: &Reception, range_m: Option<f64>, scratch: &mut Scratch) -> Probabilities {
         let features = features::of(reception, range_m);
@@ -66,3 +77,6 @@ impl Model {
         calibration::probabilities(self.baseline.logits(features), baseline_scalings, classes.len())
     }
 }
+
+#[cfg(test)]
+mod tests;

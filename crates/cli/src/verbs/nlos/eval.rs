@@ -11,9 +11,14 @@ use std::fs;
 
 /// Judges the model.
 pub fn run(args: &NlosEvalArgs) -> Result<()> {
-    let name = args.model.display().to_string();
-    let bytes = fs::read(&args.model).with_context(|| format!("{name}: cannot read it"))?;
-    let model = Model::from_bytes(&name, &bytes)?;
+    let model = match &args.model {
+        None => Model::shipped()?,
+        Some(path) => {
+            let name = path.display().to_string();
+            let bytes = fs::read(path).with_context(|| format!("{name}: cannot read it"))?;
+            Model::from_bytes(&name, &bytes)?
+        }
+    };
     let judgement = judge(&model, &Examples::of(&read(&args.data)?));
     if args.json {
         return output::print(&(serde_json::to_string_pretty(&judgement)? + "\n"));
