@@ -20,7 +20,8 @@ use tempfile::TempDir;
 fn hall(seed: u64) -> String {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).unwrap();
-    let mut text = "tag_location_id,nlos,range_m,rx_power_dBm,first_path_power_dBm,preamble_count\n".to_owned();
+    let mut text =
+        "tag_location_id,nlos,range_m,rx_power_dBm,first_path_power_dBm,preamble_count\n".to_owned();
     for place in 0..12_i32 {
         let nlos = place % 2;
         let of_place = 2.0 * normal.sample(&mut random);
@@ -28,7 +29,8 @@ fn hall(seed: u64) -> String {
             let difference = f64::from(3 + 3 * nlos) + 0.5 * of_place + normal.sample(&mut random);
             let power = -80.0 + normal.sample(&mut random);
             let first = power - difference.max(0.1);
-            writeln!(text, "{place},{nlos},{:.2},{power:.2},{first:.2},300", 3.0 + 0.3 * f64::from(place)).unwrap();
+            writeln!(text, "{place},{nlos},{:.2},{power:.2},{first:.2},300", 3.0 + 0.3 * f64::from(place))
+                .unwrap();
         }
     }
     text
@@ -83,7 +85,8 @@ fn what_is_learnt_at_some_places_serves_at_others() {
 fn what_cannot_be_learnt_or_read_is_one_line() {
     let folder = TempDir::new().unwrap();
     let (here, path) = (folder.path(), |name: &str| folder.path().join(name));
-    fs::write(path("one.csv"), "geometry_id,nlos,rx_power_dBm\n1,0,-80\n1,0,-81\n2,1,-90\n3,1,-91\n").unwrap();
+    fs::write(path("one.csv"), "geometry_id,nlos,rx_power_dBm\n1,0,-80\n1,0,-81\n2,1,-90\n3,1,-91\n")
+        .unwrap();
     fs::write(path("bad.csv"), "geometry_id,nlos,rx_power_dBm\n1,0,-80\n1,7,-81\n").unwrap();
     fs::write(path("bare.csv"), "geometry_id,nlos\n1,0\n2,0\n3,1\n4,1\n").unwrap();
     fs::create_dir(path("empty")).unwrap();
@@ -94,19 +97,29 @@ fn what_cannot_be_learnt_or_read_is_one_line() {
         ("empty", "expected meta.csv and cir_i16le.bin, or ranges.csv"),
     ] {
         let outcome = adit(here, &["nlos", "train", "--baseline", "-o", "m.safetensors", name]);
-        assert!(outcome.stderr.contains(expected) && outcome.stderr.lines().count() == 1, "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains(expected) && outcome.stderr.lines().count() == 1,
+            "{}",
+            outcome.stderr
+        );
         assert!(outcome.code == 1 && !path("m.safetensors").exists());
     }
     fs::write(path("no.safetensors"), "no model").unwrap();
     let outcome = adit(here, &["nlos", "eval", "one.csv", "--model", "no.safetensors"]);
-    assert!(outcome.code == 1 && outcome.stderr.contains("this is no safetensors file"), "{}", outcome.stderr);
+    assert!(
+        outcome.code == 1 && outcome.stderr.contains("this is no safetensors file"),
+        "{}",
+        outcome.stderr
+    );
 }
 
 /// The first step of the recorded sets, on geometries and places held out, by the discriminant alone.
 #[test]
 fn recorded_sets_are_told_on_geometries_held_out() {
     // Targets: a forest on eleven features.
-    for (set, folds, floors) in [("uwb-cir", "24", [0.895, 0.838, 0.934]), ("uwb-industrial", "10", [0.88, 0.85, 0.91])] {
+    for (set, folds, floors) in
+        [("uwb-cir", "24", [0.895, 0.838, 0.934]), ("uwb-industrial", "10", [0.88, 0.85, 0.91])]
+    {
         let Some(data) = recorded::folder(set) else { continue };
         let folder = TempDir::new().unwrap();
         let data = data.display().to_string();

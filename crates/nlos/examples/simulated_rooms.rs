@@ -61,7 +61,14 @@ fn draw(number: u64, random: &mut ChaCha8Rng) -> Result<Room, Box<dyn Error>> {
         _ => Some((between(1.2, 2.5)?, between(0.3, 0.7)?)),
     };
     let mut spec = RadioSpec {
-        uwb: UwbSpec { missed: 0.0, outliers: 0.0, obstruction_excess_m: 0.0, antenna_gain_db: 0.0, most_way_m: 100.0, ..UwbSpec::default() },
+        uwb: UwbSpec {
+            missed: 0.0,
+            outliers: 0.0,
+            obstruction_excess_m: 0.0,
+            antenna_gain_db: 0.0,
+            most_way_m: 100.0,
+            ..UwbSpec::default()
+        },
         ..RadioSpec::default()
     };
     spec.uwb.multipath.echoes_db = between(-4.5, 1.5)?;
@@ -112,7 +119,13 @@ fn mine(room: &Room) -> Result<Mine, Box<dyn Error>> {
     Ok(Mine::unchecked(plan))
 }
 
-fn exchanges(room: &Room, number: u64, seed: u64, table: &mut String, responses: &mut Vec<u8>) -> Result<(), Box<dyn Error>> {
+fn exchanges(
+    room: &Room,
+    number: u64,
+    seed: u64,
+    table: &mut String,
+    responses: &mut Vec<u8>,
+) -> Result<(), Box<dyn Error>> {
     let seed = seed.wrapping_mul(1_000_003).wrapping_add(number);
     let world = RadioWorld::new(mine(room)?, &room.spec, &[], seed)?;
     let mut tag = world.tag(seed).with_detail(RangeDetail::ImpulseResponse);
@@ -125,7 +138,9 @@ fn exchanges(room: &Room, number: u64, seed: u64, table: &mut String, responses:
         tag.ranges(&world, time_s, &antenna, &Surroundings::default(), &mut out);
         for outcome in &out {
             let Some(reception) = outcome.sample.reception.as_deref() else { continue };
-            let (Some(response), Some(_)) = (&reception.impulse_response, window::of(reception)) else { continue };
+            let (Some(response), Some(_)) = (&reception.impulse_response, window::of(reception)) else {
+                continue;
+            };
             let nlos = u8::from(outcome.truth.class != LinkClass::Los);
             let number_of = |value: Option<f32>| value.map_or(String::new(), |v| v.to_string());
             let symbols = reception.preamble_count.map_or(String::new(), |v| v.to_string());

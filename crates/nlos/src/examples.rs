@@ -107,7 +107,8 @@ impl Examples {
 
     /// Of a question the odds of yes among these rows, every range counted once.
     pub fn odds(&self, rows: &[usize], question: Question) -> f64 {
-        let of = |wanted| rows.iter().filter(|row| question.answer(&self.rows[**row]) == Some(wanted)).count();
+        let of =
+            |wanted| rows.iter().filter(|row| question.answer(&self.rows[**row]) == Some(wanted)).count();
         (of(false) as f64 + 1.0) / (of(true) as f64 + 1.0)
     }
 

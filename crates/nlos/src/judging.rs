@@ -50,8 +50,7 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
     let asked = |of: &(dyn Fn(&Example, &mut Scratch) -> Probabilities + Sync)| -> Vec<Probabilities> {
         examples.rows.par_iter().map_init(Scratch::default, |scratch, row| merged(of(row, scratch))).collect()
     };
-    let network =
-        asked(&|row, scratch| model.judge_features(&row.features, row.window.as_deref(), scratch));
+    let network = asked(&|row, scratch| model.judge_features(&row.features, row.window.as_deref(), scratch));
     let baseline = asked(&|row, _| model.judge_baseline(&row.features));
     let measures = |told: &[Probabilities]| {
         Measures::of(&names, examples.rows.iter().zip(told).map(|(row, p)| (truth(row), &p[..classes])))
@@ -193,6 +192,9 @@ impl HeldOut {
             })
             .collect();
         let judged = self.rows.iter().zip(&told);
-        Measures::of(&examples.class_names(), judged.map(|(row, p)| (examples.rows[*row].class, &p[..classes])))
+        Measures::of(
+            &examples.class_names(),
+            judged.map(|(row, p)| (examples.rows[*row].class, &p[..classes])),
+        )
     }
 }

@@ -60,7 +60,8 @@ impl Data {
         let before: usize = all[..judged].iter().map(|set| set.ranges.len()).sum();
         let rows = (0..before).collect();
         let also = (before..examples.rows.len()).collect();
-        let records = all.iter().enumerate().map(|(k, set)| record(set, &examples.classes, k >= judged)).collect();
+        let records =
+            all.iter().enumerate().map(|(k, set)| record(set, &examples.classes, k >= judged)).collect();
         Ok(Self { examples, rows, also, records })
     }
 
@@ -89,11 +90,7 @@ pub fn learn_baseline(data: &Data, plan: &Plan) -> Result<Learnt, NlosError> {
         network: None,
         seed: plan.seed,
         data: data.records.clone(),
-        held_out: HeldOutRecord {
-            folds: folds.len(),
-            baseline: ScoreRecord::from(&measures),
-            network: None,
-        },
+        held_out: HeldOutRecord { folds: folds.len(), baseline: ScoreRecord::from(&measures), network: None },
         note: plan.note.clone(),
     };
     Ok(Learnt { model: Model { record, baseline, network: None }, baseline: measures, network: None })
@@ -120,14 +117,20 @@ pub fn learn(
     let best = best.ok_or(NlosError::NoFeatures)?;
     let epochs = u32::try_from(best + 1).unwrap_or(settings.epochs);
     let mut network = None;
-    training::train(examples, &data.everything(), &learnt.model.baseline, settings, plan.seed, |epoch, made| {
-        pass();
-        network = Some(made);
-        if epoch == epochs { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
+    training::train(
+        examples,
+        &data.everything(),
+        &learnt.model.baseline,
+        settings,
+        plan.seed,
+        |epoch, made| {
+            pass();
+            network = Some(made);
+            if epoch == epochs { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        },
+    )?;
     let measures = judged[best].clone();
-    learnt.model.record.network =
-        Some(NetworkRecord { scalings: passes[best].scalings(examples), epochs });
+    learnt.model.record.network = Some(NetworkRecord { scalings: passes[best].scalings(examples), epochs });
     learnt.model.record.held_out.network = Some(ScoreRecord::from(&measures));
     learnt.model.network = network;
     learnt.network = Some(measures);

@@ -120,7 +120,8 @@ fn accuracy(confusion: &[Vec<usize>]) -> f64 {
 }
 
 fn balanced(confusion: &[Vec<usize>]) -> f64 {
-    let there: Vec<usize> = (0..confusion.len()).filter(|c| confusion[*c].iter().sum::<usize>() > 0).collect();
+    let there: Vec<usize> =
+        (0..confusion.len()).filter(|c| confusion[*c].iter().sum::<usize>() > 0).collect();
     there.iter().map(|c| share(confusion[*c][*c], confusion[*c].iter().sum())).sum::<f64>()
         / there.len().max(1) as f64
 }
@@ -191,7 +192,8 @@ mod tests {
     #[test]
     fn probabilities_that_hold_have_no_calibration_error() {
         // 3 of 4 with probability 0.75 are in sight.
-        let judged: Vec<(usize, [f32; 2])> = (0..8).map(|k| (usize::from(k % 4 == 0), [0.75, 0.25])).collect();
+        let judged: Vec<(usize, [f32; 2])> =
+            (0..8).map(|k| (usize::from(k % 4 == 0), [0.75, 0.25])).collect();
         let found = Measures::of(&["LOS", "NLOS"], judged.iter().map(|(t, p)| (*t, &p[..])));
         assert!(found.binary.calibration_error < 1e-12 && found.calibration_error < 1e-12);
         let sure: Vec<(usize, [f32; 2])> = judged.iter().map(|(t, _)| (*t, [1.0, 0.0])).collect();

@@ -86,7 +86,10 @@ pub fn of(reception: &Reception, range_m: Option<f64>) -> [f32; COUNT] {
     if let Some(response) = Response::of(reception) {
         features[13..].copy_from_slice(&response.features(told(reception.noise_std)));
     }
-    #[expect(clippy::cast_possible_truncation, reason = "single precision is plenty for what a receiver tells")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "single precision is plenty for what a receiver tells"
+    )]
     features.map(|value| value as f32)
 }
 

@@ -39,11 +39,14 @@ impl Response {
     pub fn features(&self, noise: f64) -> [f64; 17] {
         let Self { amplitude, first, at } = self;
         let at = *at;
-        let (peak_at, peak) =
-            amplitude.iter().enumerate().fold((0, 0.0), |best, (k, a)| if *a > best.1 { (k, *a) } else { best });
+        let (peak_at, peak) = amplitude
+            .iter()
+            .enumerate()
+            .fold((0, 0.0), |best, (k, a)| if *a > best.1 { (k, *a) } else { best });
         let before = &amplitude[at.saturating_sub(BEFORE.0)..at - BEFORE.1];
         let quiet = (before.iter().map(|a| a * a).sum::<f64>() / before.len() as f64).sqrt();
-        let reaches = |share: f64| amplitude.iter().position(|a| *a >= share * peak).unwrap_or(peak_at) as f64;
+        let reaches =
+            |share: f64| amplitude.iter().position(|a| *a >= share * peak).unwrap_or(peak_at) as f64;
         // Taps beyond the end are silent.
         let window: [f64; WINDOW] =
             std::array::from_fn(|k| amplitude.get(at - 1 + k).copied().unwrap_or_default());

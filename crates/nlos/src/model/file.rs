@@ -52,7 +52,11 @@ impl Model {
             let mut layers = vec![("head", &network.head)];
             layers.extend(network.dense.as_ref().map(|dense| ("dense", dense)));
             if let Some(response) = &network.response {
-                layers.extend([("first", &response.first), ("second", &response.second), ("input", &response.input)]);
+                layers.extend([
+                    ("first", &response.first),
+                    ("second", &response.second),
+                    ("input", &response.input),
+                ]);
                 let state = response.state();
                 tensors.push(named("network.recurrent.weight", &[state, 4 * state], &response.recurrent));
             }
@@ -84,8 +88,9 @@ impl<'a> Reader<'a> {
         let tensors = SafeTensors::deserialize(bytes).map_err(not_ours)?;
         let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(not_ours)?;
         let record = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
-        let record =
-            record.ok_or_else(|| fail(format!("no record under the key {KEY} in its metadata: no model of adit nlos train")))?;
+        let record = record.ok_or_else(|| {
+            fail(format!("no record under the key {KEY} in its metadata: no model of adit nlos train"))
+        })?;
         let record: Record =
             serde_json::from_str(record).map_err(|e| fail(format!("its record cannot be read: {e}")))?;
         if record.version != VERSION {
@@ -127,7 +132,8 @@ impl<'a> Reader<'a> {
         let biases = self.values("discriminant.bias", &[questions])?;
         let of = |(weights, bias): (&[f32], f32)| Discriminant { weights: weights.to_vec(), bias };
         let discriminants = weights.chunks(used.len()).zip(biases).map(of).collect();
-        let network = self.record.network.as_ref().map(|_| self.network(used.len(), questions)).transpose()?;
+        let network =
+            self.record.network.as_ref().map(|_| self.network(used.len(), questions)).transpose()?;
         Ok(Model { baseline: Baseline::new(used, normal, discriminants), network, record: self.record })
     }
 
@@ -138,7 +144,9 @@ impl<'a> Reader<'a> {
             let input = self.layer("input", second.outputs())?;
             let state = input.outputs() / 4;
             if state == 0 || input.outputs() % 4 != 0 {
-                return Err(self.fail(format!("network.input has {} outputs, expected four gates", input.outputs())));
+                return Err(
+                    self.fail(format!("network.input has {} outputs, expected four gates", input.outputs()))
+                );
             }
             let recurrent = self.values("network.recurrent.weight", &[state, 4 * state])?;
             Some(ResponseBranch { first, second, input, recurrent })
@@ -150,7 +158,9 @@ impl<'a> Reader<'a> {
         let dense = if has_dense { Some(self.layer("dense", features)?) } else { None };
         let head = self.layer("head", state + dense.as_ref().map_or(0, Layer::outputs) + features)?;
         if head.outputs() != questions {
-            return Err(self.fail(format!("network.head has {} outputs, expected {questions}", head.outputs())));
+            return Err(
+                self.fail(format!("network.head has {} outputs, expected {questions}", head.outputs()))
+            );
         }
         Ok(Network { response, dense, head })
     }
@@ -166,7 +176,8 @@ impl<'a> Reader<'a> {
     }
 
     fn values(&self, tensor: &str, shape: &[usize]) -> Result<Vec<f32>, NlosError> {
-        let found = self.tensors.tensor(tensor).map_err(|_| self.fail(format!("the tensor {tensor} is missing")))?;
+        let found =
+            self.tensors.tensor(tensor).map_err(|_| self.fail(format!("the tensor {tensor} is missing")))?;
         if found.dtype() != Dtype::F32 || found.shape() != shape {
             return Err(self.fail(format!(
                 "{tensor}: found {:?} {:?}, expected F32 {shape:?}",
@@ -177,7 +188,8 @@ impl<'a> Reader<'a> {
         let (values, _) = found.data().as_chunks::<4>();
         let values: Vec<f32> = values.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         // Levels of a feature may be infinite (no noise at all), never NaN.
-        if values.iter().any(|v| v.is_nan()) || (tensor != "normal" && values.iter().any(|v| v.is_infinite())) {
+        if values.iter().any(|v| v.is_nan()) || (tensor != "normal" && values.iter().any(|v| v.is_infinite()))
+        {
             return Err(self.fail(format!("{tensor}: holds a value that is not a finite number")));
         }
         Ok(values)

@@ -22,7 +22,15 @@ pub fn add_product(weight: &[f32], hidden: &[f32], count: usize, state: usize, o
 }
 
 /// `out += x W`, block by block.
-fn product(weight: &[f32], n: usize, x: &[f32], stride: usize, rows: usize, out: &mut [f32], out_stride: usize) {
+fn product(
+    weight: &[f32],
+    n: usize,
+    x: &[f32],
+    stride: usize,
+    rows: usize,
+    out: &mut [f32],
+    out_stride: usize,
+) {
     if n == 0 {
         return;
     }
@@ -39,7 +47,13 @@ fn product(weight: &[f32], n: usize, x: &[f32], stride: usize, rows: usize, out:
 }
 
 #[inline]
-fn rows_by_columns<const R: usize>(weight: &[f32], n: usize, xs: &[&[f32]; R], out: &mut [f32], out_stride: usize) {
+fn rows_by_columns<const R: usize>(
+    weight: &[f32],
+    n: usize,
+    xs: &[&[f32]; R],
+    out: &mut [f32],
+    out_stride: usize,
+) {
     let k = xs[0].len();
     let whole = n - n % LANES;
     for column in (0..whole).step_by(LANES) {
@@ -157,7 +171,9 @@ mod tests {
     /// Every shape of blocks and remainders against the definition in double precision.
     #[test]
     fn products_are_sums_of_products() {
-        for (inputs, outputs, rows, stride) in [(10, 16, 38, 4), (7, 35, 5, 7), (3, 3, 1, 0), (24, 128, 9, 24)] {
+        for (inputs, outputs, rows, stride) in
+            [(10, 16, 38, 4), (7, 35, 5, 7), (3, 3, 1, 0), (24, 128, 9, 24)]
+        {
             let value = |k: usize| ((k * 37 % 101) as f32 - 50.0) / 50.0;
             let layer = Layer {
                 weight: (0..inputs * outputs).map(value).collect(),
@@ -170,7 +186,9 @@ mod tests {
             for row in 0..rows {
                 for column in 0..outputs {
                     let sum: f64 = (0..inputs)
-                        .map(|i| f64::from(x[row * stride + i]) * f64::from(layer.weight[i * outputs + column]))
+                        .map(|i| {
+                            f64::from(x[row * stride + i]) * f64::from(layer.weight[i * outputs + column])
+                        })
                         .sum();
                     let expected = sum + f64::from(layer.bias[column]);
                     // 24 products of at most 1.

@@ -97,7 +97,8 @@ impl Network {
     /// Number of weights.
     pub fn weights(&self) -> usize {
         let layer = |layer: &Layer| layer.weight.len() + layer.bias.len();
-        let of = |r: &ResponseBranch| layer(&r.first) + layer(&r.second) + layer(&r.input) + r.recurrent.len();
+        let of =
+            |r: &ResponseBranch| layer(&r.first) + layer(&r.second) + layer(&r.input) + r.recurrent.len();
         self.response.as_ref().map_or(0, of) + self.dense.as_ref().map_or(0, layer) + layer(&self.head)
     }
 
@@ -147,7 +148,14 @@ impl ResponseBranch {
             affine(&self.second, first, STEPS, STRIDE * self.first.outputs(), second, self.second.outputs());
             kernel::relu(second);
             // Step by step, the responses side by side.
-            affine(&self.input, second, STEPS, self.second.outputs(), &mut gates[4 * k * state..], 4 * state * count);
+            affine(
+                &self.input,
+                second,
+                STEPS,
+                self.second.outputs(),
+                &mut gates[4 * k * state..],
+                4 * state * count,
+            );
         }
         hidden.fill(0.0);
         cell.fill(0.0);

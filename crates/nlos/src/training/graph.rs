@@ -67,7 +67,8 @@ impl LearningLayer {
 }
 
 fn taps(steps: usize) -> Result<Tensor> {
-    let taps = (0..steps).flat_map(|step| (0..WIDTH).map(move |k| u32::try_from(step * STRIDE + k).unwrap_or(0)));
+    let taps =
+        (0..steps).flat_map(|step| (0..WIDTH).map(move |k| u32::try_from(step * STRIDE + k).unwrap_or(0)));
     Tensor::from_iter(taps, &Device::Cpu)
 }
 

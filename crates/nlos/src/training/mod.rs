@@ -99,7 +99,8 @@ pub fn train(
     let features = baseline.used.len();
     let graph = Graph::new(&settings.sizes, features, examples.questions().len(), &mut random)?;
     let variables = graph.variables();
-    let parameters = ParamsAdamW { lr: settings.rate, weight_decay: settings.decay, ..ParamsAdamW::default() };
+    let parameters =
+        ParamsAdamW { lr: settings.rate, weight_decay: settings.decay, ..ParamsAdamW::default() };
     let mut optimizer = AdamW::new(variables.clone(), parameters)?;
     let drawing = Drawing::new(examples, rows);
     let augment = Augment { dropout: settings.dropout, jitter: settings.jitter };
@@ -113,7 +114,8 @@ pub fn train(
             optimizer.set_learning_rate(settings.rate * schedule(step, steps, total));
             step += 1;
             let batch = Batch::draw(examples, baseline, settings, &drawing, &augment, &mut random);
-            let loss = batch.loss(&graph, &weights, &bias, augment.kept(settings.batch * head, &mut random))?;
+            let loss =
+                batch.loss(&graph, &weights, &bias, augment.kept(settings.batch * head, &mut random))?;
             let mut gradients = loss.backward()?;
             clip(&variables, &mut gradients, 1.0)?;
             optimizer.step(&gradients)?;
@@ -168,7 +170,13 @@ impl Batch {
     }
 
     /// Its loss, with the discriminants' weights and bias and the inputs of the head that are kept.
-    fn loss(self, graph: &Graph, weights: &Tensor, bias: &Tensor, kept: Vec<f32>) -> candle_core::Result<Tensor> {
+    fn loss(
+        self,
+        graph: &Graph,
+        weights: &Tensor,
+        bias: &Tensor,
+        kept: Vec<f32>,
+    ) -> candle_core::Result<Tensor> {
         let samples = self.samples;
         let tensor = |values: Vec<f32>| {
             let width = values.len() / samples;
@@ -203,7 +211,10 @@ fn cross_entropy(logits: &Tensor, answers: &Tensor, asked: &Tensor) -> candle_co
 }
 
 /// Weights (features × questions) and bias of the discriminants at their start temperature.
-fn discriminant_tensors(discriminants: &[Discriminant], features: usize) -> candle_core::Result<(Tensor, Tensor)> {
+fn discriminant_tensors(
+    discriminants: &[Discriminant],
+    features: usize,
+) -> candle_core::Result<(Tensor, Tensor)> {
     let weights: Vec<f32> = (0..features)
         .flat_map(|f| discriminants.iter().map(move |d| d.weights[f] / START_TEMPERATURE))
         .collect();

@@ -11,14 +11,21 @@ pub fn measures(model: &Measures, baseline: Option<&Measures>) -> String {
         text,
         "            accuracy  balanced  macro F1 | LOS or not: accuracy  balanced  F1     calibration error"
     );
-    let rows = [(if baseline.is_some() { "network" } else { "baseline" }, Some(model)), ("baseline", baseline)];
+    let rows =
+        [(if baseline.is_some() { "network" } else { "baseline" }, Some(model)), ("baseline", baseline)];
     for (name, measures) in rows {
         let Some(m) = measures else { continue };
         let b = &m.binary;
         let _ = writeln!(
             text,
             "{name:<11} {:<9.3} {:<9.3} {:<8.3} |             {:<9.3} {:<9.3} {:<6.3} {:.3}",
-            m.accuracy, m.balanced_accuracy, m.macro_f1, b.accuracy, b.balanced_accuracy, b.f1, b.calibration_error
+            m.accuracy,
+            m.balanced_accuracy,
+            m.macro_f1,
+            b.accuracy,
+            b.balanced_accuracy,
+            b.f1,
+            b.calibration_error
         );
     }
     let names: String = model.classes.iter().map(|class| format!("{class:>8}")).collect();

@@ -104,9 +104,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<LabelledRanges, LogError> {
 
 fn folder(path: &Path) -> Result<LabelledRanges, LogError> {
     match (beside(path, "meta.csv"), beside(path, "cir_i16le.bin"), beside(path, "ranges.csv")) {
-        (Some(table), Some(responses), _) => {
-            from_inputs(Input::open(table)?, Some(Input::open(responses)?))
-        }
+        (Some(table), Some(responses), _) => from_inputs(Input::open(table)?, Some(Input::open(responses)?)),
         (None, None, Some(table)) => from_inputs(Input::open(table)?, None),
         (table, responses, _) => Err(LogError::BadValue {
             place: Place::file(path),

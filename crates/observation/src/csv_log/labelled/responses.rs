@@ -24,7 +24,9 @@ pub fn read(input: Input, set: &mut LabelledRanges) -> Result<(), LogError> {
     loop {
         let (number, byte) = (responses.len() as u64 + 1, (BLOCK * responses.len()) as u64);
         let place = Place::new(&file, At::Record { number, byte });
-        let Some(response) = next(&mut reader, &mut block).map_err(|e| read_error(place, gzip, e))? else { break };
+        let Some(response) = next(&mut reader, &mut block).map_err(|e| read_error(place, gzip, e))? else {
+            break;
+        };
         if responses.len() == rows {
             return Err(count(format!("more than {rows}")));
         }

@@ -16,8 +16,16 @@ use std::sync::Arc;
 
 const GROUPS: [&str; 4] = ["geometry_id", "tag_location_id", "room_id", "group_id"];
 /// Columns of the sets we know that say nothing a receiver would tell, or nothing new.
-const LEFT: [&str; 8] =
-    ["anchor_x_m", "anchor_y_m", "anchor_z_m", "tag_x_m", "tag_y_m", "tag_z_m", "noise_threshold", "cir_power"];
+const LEFT: [&str; 8] = [
+    "anchor_x_m",
+    "anchor_y_m",
+    "anchor_z_m",
+    "tag_x_m",
+    "tag_y_m",
+    "tag_z_m",
+    "noise_threshold",
+    "cir_power",
+];
 
 /// Where everything stands in a row.
 struct Columns {
@@ -58,7 +66,10 @@ pub fn read(input: Input) -> Result<LabelledRanges, LogError> {
         set.ranges.push(columns.read(&table, group)?);
     }
     if set.ranges.is_empty() {
-        return Err(LogError::NothingRecorded { place: super::whole(table.file()), expected: "labelled range" });
+        return Err(LogError::NothingRecorded {
+            place: super::whole(table.file()),
+            expected: "labelled range",
+        });
     }
     set.warnings = warnings.list().to_vec();
     Ok(set)
@@ -104,7 +115,8 @@ impl Columns {
             Label::Nlos(index) => bad(table, "nlos", index, "0 or 1"),
         })?;
         let (range_m, true_range_m) = (self.distance(table, self.range)?, self.distance(table, self.truth)?);
-        let reception = self.reception.read(table, &self.names)?.map(Arc::unwrap_or_clone).unwrap_or_default();
+        let reception =
+            self.reception.read(table, &self.names)?.map(Arc::unwrap_or_clone).unwrap_or_default();
         match reception.fault() {
             None => Ok(LabelledRange { group, class, range_m, true_range_m, reception }),
             Some(fault) => Err(fault_of(fault, table)),

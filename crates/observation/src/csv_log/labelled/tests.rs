@@ -39,12 +39,27 @@ fn a_table_of_two_classes_says_so() {
 #[test]
 fn faults_name_file_and_line() {
     for (text, expected) in [
-        ("geometry_id,label\n1,LOS\n1,maybe\n", "meta.csv:3: label: found \"maybe\", expected LOS, NLOS or NDP"),
+        (
+            "geometry_id,label\n1,LOS\n1,maybe\n",
+            "meta.csv:3: label: found \"maybe\", expected LOS, NLOS or NDP",
+        ),
         ("geometry_id,nlos\n1,2\n", "meta.csv:2: nlos: found \"2\", expected 0 or 1"),
-        ("geometry_id,range_m\n1,2\n", "meta.csv:1: missing column label or nlos; found geometry_id, range_m"),
-        ("label,range_m\nLOS,2\n", "meta.csv:1: missing column geometry_id or tag_location_id or room_id or group_id; found label, range_m"),
-        ("geometry_id,label,range_m\n1,LOS,-2000\n", "meta.csv:2: range_m: found \"-2000\", expected -1,000 to 1,000,000 m"),
-        ("geometry_id,label,rx_power_dBm\n1,LOS,90\n", "meta.csv:2: rx_power_dbm: found 90, expected -200 to 50 dBm"),
+        (
+            "geometry_id,range_m\n1,2\n",
+            "meta.csv:1: missing column label or nlos; found geometry_id, range_m",
+        ),
+        (
+            "label,range_m\nLOS,2\n",
+            "meta.csv:1: missing column geometry_id or tag_location_id or room_id or group_id; found label, range_m",
+        ),
+        (
+            "geometry_id,label,range_m\n1,LOS,-2000\n",
+            "meta.csv:2: range_m: found \"-2000\", expected -1,000 to 1,000,000 m",
+        ),
+        (
+            "geometry_id,label,rx_power_dBm\n1,LOS,90\n",
+            "meta.csv:2: rx_power_dbm: found 90, expected -200 to 50 dBm",
+        ),
         ("geometry_id,label\n", "meta.csv: the file ends before the first labelled range"),
     ] {
         assert_eq!(table(text).unwrap_err().to_string(), expected);
