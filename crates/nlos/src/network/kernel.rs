@@ -1,13 +1,18 @@
 //! The few loops that all time goes to.
+//!
+//! Always inlined, so that they are compiled for the vector unit that [`super::Network::logits_of`] has found. Products are not fused with sums: the bits are the same on every unit.
+#![expect(clippy::inline_always, reason = "a call would leave the vector unit that was dispatched to")]
 
 use super::Layer;
 
-/// Outputs that are summed side by side.
+/// Outputs that are summed side by side, as long as there are so many; then half of them.
 const LANES: usize = 16;
+const HALF: usize = LANES / 2;
 /// Rows that share a reading of the weights.
 const ROWS: usize = 4;
 
 /// `out_r = x_r W + b` for `rows` rows: row r of the input begins at `r · stride` (they may overlap: a convolution is that), row r of the output at `r · out_stride`.
+#[inline(always)]
 pub fn affine(layer: &Layer, x: &[f32], rows: usize, stride: usize, out: &mut [f32], out_stride: usize) {
     let n = layer.bias.len();
     for row in 0..rows {
@@ -17,11 +22,13 @@ pub fn affine(layer: &Layer, x: &[f32], rows: usize, stride: usize, out: &mut [f
 }
 
 /// `out_r += h_r U` for `count` rows side by side, U of `state` × 4 `state`.
+#[inline(always)]
 pub fn add_product(weight: &[f32], hidden: &[f32], count: usize, state: usize, out: &mut [f32]) {
     product(weight, 4 * state, hidden, state, count, out, 4 * state);
 }
 
 /// `out += x W`, block by block.
+#[inline(always)]
 fn product(
     weight: &[f32],
     n: usize,
@@ -46,7 +53,7 @@ fn product(
     }
 }
 
-#[inline]
+#[inline(always)]
 fn rows_by_columns<const R: usize>(
     weight: &[f32],
     n: usize,
@@ -54,28 +61,16 @@ fn rows_by_columns<const R: usize>(
     out: &mut [f32],
     out_stride: usize,
 ) {
-    let k = xs[0].len();
-    let whole = n - n % LANES;
-    for column in (0..whole).step_by(LANES) {
-        let mut sums = [[0.0_f32; LANES]; R];
-        for (r, sums) in sums.iter_mut().enumerate() {
-            sums.copy_from_slice(&out[r * out_stride + column..][..LANES]);
-        }
-        for i in 0..k {
-            let (weights, _) = weight[i * n + column..].as_chunks::<LANES>();
-            let weights = &weights[0];
-            for (sums, x) in sums.iter_mut().zip(xs) {
-                let x = x[i];
-                for (sum, weight) in sums.iter_mut().zip(weights) {
-                    *sum += x * weight;
-                }
-            }
-        }
-        for (r, sums) in sums.iter().enumerate() {
-            out[r * out_stride + column..][..LANES].copy_from_slice(sums);
-        }
+    let mut column = 0;
+    while column + LANES <= n {
+        block::<R, LANES>(weight, n, column, xs, out, out_stride);
+        column += LANES;
     }
-    for column in whole..n {
+    if column + HALF <= n {
+        block::<R, HALF>(weight, n, column, xs, out, out_stride);
+        column += HALF;
+    }
+    for column in column..n {
         for (r, x) in xs.iter().enumerate() {
             let sum = x.iter().zip(weight[column..].iter().step_by(n)).fold(0.0, |sum, (x, w)| sum + x * w);
             out[r * out_stride + column] += sum;
@@ -83,7 +78,37 @@ fn rows_by_columns<const R: usize>(
     }
 }
 
+/// `L` outputs of `R` rows from `column` on.
+#[inline(always)]
+fn block<const R: usize, const L: usize>(
+    weight: &[f32],
+    n: usize,
+    column: usize,
+    xs: &[&[f32]; R],
+    out: &mut [f32],
+    out_stride: usize,
+) {
+    let mut sums = [[0.0_f32; L]; R];
+    for (r, sums) in sums.iter_mut().enumerate() {
+        sums.copy_from_slice(&out[r * out_stride + column..][..L]);
+    }
+    for i in 0..xs[0].len() {
+        let (weights, _) = weight[i * n + column..].as_chunks::<L>();
+        let weights = &weights[0];
+        for (sums, x) in sums.iter_mut().zip(xs) {
+            let x = x[i];
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += x * weight;
+            }
+        }
+    }
+    for (r, sums) in sums.iter().enumerate() {
+        out[r * out_stride + column..][..L].copy_from_slice(sums);
+    }
+}
+
 /// What is below 0 becomes 0.
+#[inline(always)]
 pub fn relu(values: &mut [f32]) {
     for value in values {
         *value = value.max(0.0);
@@ -91,6 +116,7 @@ pub fn relu(values: &mut [f32]) {
 }
 
 /// One step of an LSTM from the four gates before their functions.
+#[inline(always)]
 pub fn lstm(gates: &mut [f32], cell: &mut [f32], hidden: &mut [f32]) {
     let state = cell.len();
     let (input, rest) = gates.split_at_mut(state);
@@ -113,19 +139,19 @@ pub fn lstm(gates: &mut [f32], cell: &mut [f32], hidden: &mut [f32]) {
 }
 
 /// `1 / (1 + e^−x)`.
-#[inline]
+#[inline(always)]
 pub fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + exp(-x))
 }
 
 /// `1 − 2 / (1 + e^2x)`.
-#[inline]
+#[inline(always)]
 pub fn tanh(x: f32) -> f32 {
     1.0 - 2.0 / (1.0 + exp(2.0 * x))
 }
 
 /// `e^x` to 2e-7 of itself for |x| ≤ 80; beyond, as at ±80. `2^n · e^r` with `n` the nearest whole number to `x / ln 2` and Taylor's series of `e^r` up to `r⁷`, |r| ≤ 0.35.
-#[inline]
+#[inline(always)]
 pub fn exp(x: f32) -> f32 {
     /// Added to a number it leaves its whole part in the last bits.
     const ROUNDER: f32 = 12_582_912.0;

@@ -109,8 +109,17 @@ impl Network {
 
     /// Logits of many, row by row.
     pub fn logits_of(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
-        let classes = self.head.outputs();
-        for (asked, into) in asked.chunks(TOGETHER).zip(into.chunks_mut(TOGETHER * classes)) {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.walk(asked, scratch, into),
+        );
+    }
+
+    #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
+    #[inline(always)]
+    fn walk(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
+        let questions = self.head.outputs();
+        for (asked, into) in asked.chunks(TOGETHER).zip(into.chunks_mut(TOGETHER * questions)) {
             scratch.fit(self);
             if let Some(response) = &self.response {
                 response.run(asked, scratch);
@@ -120,6 +129,8 @@ impl Network {
     }
 
     /// The dense layer and the head, of the states in `scratch`.
+    #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
+    #[inline(always)]
     fn finish(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
         let state = self.response.as_ref().map_or(0, ResponseBranch::state);
         let before = state + self.dense.as_ref().map_or(0, Layer::outputs);
@@ -138,6 +149,8 @@ impl Network {
 
 impl ResponseBranch {
     /// Walks the responses, up to [`TOGETHER`], and leaves their last states in `scratch.hidden`.
+    #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
+    #[inline(always)]
     fn run(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch) {
         let (count, state) = (asked.len(), self.state());
         let Scratch { first, second, gates, hidden, cell, .. } = scratch;

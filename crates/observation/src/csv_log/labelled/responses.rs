@@ -24,15 +24,12 @@ pub fn read(input: Input, set: &mut LabelledRanges) -> Result<(), LogError> {
     loop {
         let (number, byte) = (responses.len() as u64 + 1, (BLOCK * responses.len()) as u64);
         let place = Place::new(&file, At::Record { number, byte });
-        let Some(response) = next(&mut reader, &mut block).map_err(|e| read_error(place, gzip, e))? else {
-            break;
-        };
-        if responses.len() == rows {
-            return Err(count(format!("more than {rows}")));
-        }
-        match response {
-            Some(response) => responses.push(response),
-            None => return Err(count(format!("{} and a part of one", responses.len()))),
+        let filled = fill(&mut reader, &mut block).map_err(|e| read_error(place, gzip, e))?;
+        match filled {
+            0 => break,
+            _ if responses.len() == rows => return Err(count(format!("more than {rows}"))),
+            BLOCK => responses.push(response(&block)),
+            _ => return Err(count(format!("{} and a part of one", responses.len()))),
         }
     }
     if responses.len() < rows {
@@ -44,8 +41,8 @@ pub fn read(input: Input, set: &mut LabelledRanges) -> Result<(), LogError> {
     Ok(())
 }
 
-/// The next response; `None` at the end, `Some(None)` for one that is cut.
-fn next(reader: &mut impl Read, block: &mut [u8; BLOCK]) -> io::Result<Option<Option<ImpulseResponse>>> {
+/// Fills the block; how much of it: less at the end.
+fn fill(reader: &mut impl Read, block: &mut [u8; BLOCK]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < BLOCK {
         match reader.read(&mut block[filled..]) {
@@ -55,10 +52,11 @@ fn next(reader: &mut impl Read, block: &mut [u8; BLOCK]) -> io::Result<Option<Op
             Err(error) => return Err(error),
         }
     }
-    if filled < BLOCK {
-        return Ok((filled > 0).then_some(None));
-    }
+    Ok(filled)
+}
+
+fn response(block: &[u8; BLOCK]) -> ImpulseResponse {
     let (taps, _) = block.as_chunks::<4>();
     let taps = taps.iter().map(|[a, b, c, d]| [i16::from_le_bytes([*a, *b]), i16::from_le_bytes([*c, *d])]);
-    Ok(Some(Some(ImpulseResponse { first_tap: FIRST_TAP, taps: taps.collect() })))
+    ImpulseResponse { first_tap: FIRST_TAP, taps: taps.collect() }
 }
