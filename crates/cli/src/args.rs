@@ -3,11 +3,13 @@
 mod calibrate;
 mod compare;
 pub mod mine;
+mod nlos;
 mod radio;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
+pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use tune::{OptimiserName, TuneArgs};
 
@@ -139,6 +141,8 @@ pub enum Verb {
     Calibrate(CalibrateArgs),
     /// Check a mine file, or write it in another form
     Mine(mine::MineArgs),
+    /// Learn whether a signal came straight from how it came in, or judge such a model
+    Nlos(NlosArgs),
     /// Compare methods over many seeds of a scenario, or on recorded runs
     Compare(CompareArgs),
     /// Find the noise parameters of a method on logs with truth

@@ -35,6 +35,9 @@ pub enum Unit {
     Samples,
     /// Evaluations of a cost, with the best so far.
     Evaluations,
+    /// Passes over the data of a training.
+    #[cfg(feature = "train")]
+    Passes,
 }
 
 impl Progress {
@@ -50,6 +53,8 @@ impl Progress {
             (Unit::Evaluations, _) => {
                 "{msg:9} [{bar:30}] {human_pos}/{human_len} {per_sec} {eta} left {prefix}"
             }
+            #[cfg(feature = "train")]
+            (Unit::Passes, _) => "{msg:9} [{bar:40}] {pos}/{len} passes {eta} left",
             (Unit::Samples, None) => "{msg:9} {spinner} {human_pos} {per_sec}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {

@@ -115,13 +115,16 @@ impl SignalStrength {
 }
 
 impl RangeSample {
+    /// Ranges that can be, m.
+    pub(crate) const POSSIBLE_M: RangeInclusive<f64> = -1e3..=1e6;
+
     /// What cannot be right, if anything: (name of the quantity, its value, what is expected).
     ///
     /// Noise and antenna delay make short ranges negative by metres, never by more than a kilometre (the light of 3.3 µs); and no ranging
     /// radio reaches 1,000 km.
     pub fn fault(&self) -> Option<Fault> {
         let checks = [
-            ("range_m", Some(self.range_m), -1e3..=1e6, "-1,000 to 1,000,000 m"),
+            ("range_m", Some(self.range_m), Self::POSSIBLE_M, "-1,000 to 1,000,000 m"),
             ("range_sigma_m", self.sigma_m, 1e-6..=1e6, "1 µm to 1,000 km"),
             ("line_of_sight", self.line_of_sight, 0.0..=1.0, "a probability, 0 to 1"),
         ];

@@ -5,6 +5,7 @@ mod compare;
 mod demo;
 mod eval;
 mod mine;
+mod nlos;
 mod simulate;
 mod track;
 mod trials;
@@ -22,6 +23,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Eval(args) => eval::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Mine(args) => mine::run(args),
+        Verb::Nlos(args) => nlos::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
     }

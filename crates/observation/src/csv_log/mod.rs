@@ -31,6 +31,7 @@
 mod finder;
 mod fix_columns;
 mod header;
+pub mod labelled;
 mod radio_columns;
 mod range_columns;
 mod row;

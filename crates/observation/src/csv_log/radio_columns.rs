@@ -114,12 +114,17 @@ impl RadioColumns {
 pub(super) fn possible(observation: Observation, table: &Table) -> Result<Observation, LogError> {
     match observation.fault() {
         None => Ok(observation),
-        Some((what, found, expected)) => Err(LogError::BadValue {
-            place: table.place(),
-            what: what.to_owned(),
-            found: found.to_string(),
-            expected: expected.to_owned(),
-        }),
+        Some(fault) => Err(fault_of(fault, table)),
+    }
+}
+
+/// The error for what cannot be right: (name of the quantity, its value, what is expected).
+pub(super) fn fault_of((what, found, expected): (&str, f64, &str), table: &Table) -> LogError {
+    LogError::BadValue {
+        place: table.place(),
+        what: what.to_owned(),
+        found: found.to_string(),
+        expected: expected.to_owned(),
     }
 }
 

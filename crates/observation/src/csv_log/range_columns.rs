@@ -145,7 +145,7 @@ fn each_anchor(finder: &Finder) -> Result<Vec<(Column, DeviceId)>, LogError> {
 
 /// Where the parts of a reception stand in a row.
 #[derive(Debug, Clone, Copy)]
-struct ReceptionColumns {
+pub(super) struct ReceptionColumns {
     rx_power_dbm: Option<usize>,
     first_path_power_dbm: Option<usize>,
     first_path_index_tap: Option<usize>,
@@ -157,7 +157,7 @@ struct ReceptionColumns {
 }
 
 impl ReceptionColumns {
-    fn find(finder: &mut Finder) -> Result<Self, LogError> {
+    pub fn find(finder: &mut Finder) -> Result<Self, LogError> {
         let amplitudes = match AMPLITUDES.map(|name| finder.one(&[name])) {
             [Ok(Some(first)), Ok(Some(second)), Ok(Some(third))] => Some([first, second, third]),
             [Ok(None), Ok(None), Ok(None)] => None,
@@ -174,14 +174,14 @@ impl ReceptionColumns {
             first_path_index_tap: finder.one(&["first_path_index_tap"])?,
             peak_index_tap: finder.one(&["peak_index_tap"])?,
             amplitudes,
-            noise_std: finder.one(&["noise_std"])?,
+            noise_std: finder.one(&["noise_std", "pre_first_path_amplitude_std"])?,
             noise_max: finder.one(&["noise_max"])?,
             preamble_count: finder.one(&["preamble_count"])?,
         })
     }
 
     /// What the present row says of it; `None` where all its fields are empty.
-    fn read(&self, table: &Table, columns: &[String]) -> Result<Option<Arc<Reception>>, LogError> {
+    pub fn read(&self, table: &Table, columns: &[String]) -> Result<Option<Arc<Reception>>, LogError> {
         let given = |index: Option<usize>| index.filter(|index| !table.field(*index).is_empty());
         let single = |index: Option<usize>| given(index).map(|at| table.single(at, columns)).transpose();
         // The power of no amplitude at all: the device could not tell.
