@@ -79,6 +79,7 @@ impl Scaling {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "tests: these are exact")]
 mod tests {
     use super::*;
 

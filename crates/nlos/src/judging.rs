@@ -64,7 +64,7 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
             let ranges: usize = told.iter().sum();
             let share = |told: &usize| *told as f64 / ranges as f64;
             let (group, told) = (group.name.clone(), told.iter().map(share).collect());
-            (ranges > 0).then_some(GroupJudgement { group, class: *class, ranges, told })
+            (ranges > 0).then_some(GroupJudgement { group, class, ranges, told })
         })
     });
     Judgement { model: measures(&network), baseline: measures(&baseline), groups: groups.collect() }

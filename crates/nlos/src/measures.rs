@@ -165,7 +165,7 @@ fn calibration_error(bins: &[Bin]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The numbers of scikit-learn 1.9.1 for the same judgements (accuracy_score, balanced_accuracy_score, f1_score).
+    /// The numbers of scikit-learn 1.9.1 for the same judgements (`accuracy_score`, `balanced_accuracy_score`, `f1_score`).
     #[test]
     fn agrees_with_scikit_learn() {
         let judged: [(usize, [f32; 3]); 8] = [

@@ -56,6 +56,7 @@ impl NormalScores {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "tests: these are exact")]
 #[expect(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;

@@ -173,6 +173,7 @@ pub fn exp(x: f32) -> f32 {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "tests: these are exact")]
 mod tests {
     use super::*;
 

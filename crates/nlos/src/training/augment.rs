@@ -33,7 +33,7 @@ impl Augment {
 
     /// A window: the first path found a little earlier or later, walls that swallow more or less of the late echoes, fading of each
     /// echo, noise.
-    pub fn window(&self, taps: &mut Window, random: &mut ChaCha8Rng) {
+    pub fn window(taps: &mut Window, random: &mut ChaCha8Rng) {
         let before = *taps;
         let (before, _) = before.as_chunks::<CHANNELS>();
         let (after, _) = taps.as_chunks_mut::<CHANNELS>();

@@ -156,7 +156,7 @@ impl Batch {
             batch.scores.extend(scores);
             if settings.sizes.response {
                 let mut window = row.window.as_deref().copied().unwrap_or(window::SILENT);
-                augment.window(&mut window, random);
+                Augment::window(&mut window, random);
                 batch.windows.extend(window);
             }
             for question in examples.questions() {
