@@ -28,10 +28,10 @@ pub fn measures(model: &Measures, baseline: Option<&Measures>) -> String {
             b.calibration_error
         );
     }
-    let names: String = model.classes.iter().map(|class| format!("{class:>8}")).collect();
+    let names = columns(model.classes.iter().map(|class| format!("{class:>8}")));
     let _ = writeln!(text, "true\\told  {names}");
     for (class, row) in model.classes.iter().zip(&model.confusion) {
-        let counts: String = row.iter().map(|count| format!("{count:>8}")).collect();
+        let counts = columns(row.iter().map(|count| format!("{count:>8}")));
         let _ = writeln!(text, "{class:<11}{counts}");
     }
     text
@@ -40,11 +40,16 @@ pub fn measures(model: &Measures, baseline: Option<&Measures>) -> String {
 /// The same, and group by group.
 pub fn judgement(judgement: &Judgement, network: bool) -> String {
     let mut text = measures(&judgement.model, network.then_some(&judgement.baseline));
-    let names: String = judgement.model.classes.iter().map(|class| format!("{class:>8}")).collect();
+    let names = columns(judgement.model.classes.iter().map(|class| format!("{class:>8}")));
     let _ = writeln!(text, "geometry    true    ranges{names}");
     for group in &judgement.groups {
-        let shares: String = group.told.iter().map(|share| format!("{share:>8.2}")).collect();
+        let shares = columns(group.told.iter().map(|share| format!("{share:>8.2}")));
         let _ = writeln!(text, "{:<11} {:<7} {:>6}{shares}", group.group, group.class, group.ranges);
     }
     text
+}
+
+/// Cells side by side.
+fn columns(cells: impl Iterator<Item = String>) -> String {
+    cells.fold(String::new(), |line, cell| line + &cell)
 }
