@@ -100,6 +100,8 @@ if cargo nextest --version >/dev/null 2>&1; then
 else
     libtest tests cargo test --locked --workspace --lib --bins --tests --examples --no-fail-fast -- --show-output
 fi
+# Learning networks: candle takes minutes to build, so it is in no other build.
+libtest train cargo test --locked -p adit-nlos --features train --tests --no-fail-fast -- --show-output
 libtest doc-tests cargo test --locked --workspace --doc --no-fail-fast
 check docs env RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --quiet
 check no-std proofs/no-std/check.sh "estimation mine"
