@@ -109,10 +109,7 @@ impl Network {
 
     /// Logits of many, row by row.
     pub fn logits_of(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.walk(asked, scratch, into),
-        );
+        pulp::Arch::new().dispatch(Walk { network: self, asked, scratch, into });
     }
 
     #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
@@ -144,6 +141,24 @@ impl Network {
             found[before..].copy_from_slice(scores);
             affine(&self.head, found, 1, 0, into, 0);
         }
+    }
+}
+
+/// A call, for whichever vector unit there is. No closure: its body would not be inlined there.
+struct Walk<'a> {
+    network: &'a Network,
+    asked: &'a [(&'a [f32], Option<&'a Window>)],
+    scratch: &'a mut Scratch,
+    into: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Walk<'_> {
+    type Output = ();
+
+    #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
+    #[inline(always)]
+    fn call(self) {
+        self.network.walk(self.asked, self.scratch, self.into);
     }
 }
 
