@@ -8,7 +8,7 @@
 //! - One range to a row, no time. Which rows belong together, because anchor and tag stood where they stood: `geometry_id`, `tag_location_id`,
 //!   `room_id` or `group_id`. Rows of one group are near copies of each other.
 //! - `label`: `LOS`, `NLOS` or `NDP` (no direct path); or `nlos`: 0 or 1.
-//! - `range_m`, `true_range_m` and the columns of a reception ([`super::range_columns`]), each empty where the device did not tell;
+//! - `range_m`, `true_range_m` and the columns of a reception (see `docs/formats.md`), each empty where the device did not tell;
 //!   `pre_first_path_amplitude_std` is another name of `noise_std`.
 //! - A folder has the table as `meta.csv` and the impulse responses as `cir_i16le.bin`, or the table alone as `ranges.csv`, all plain or `.gz`.
 //!   Responses follow each other in the order of the rows, each [`TAPS`] taps from tap [`FIRST_TAP`] of the accumulator on: in-phase, then
