@@ -23,7 +23,7 @@
 pub mod centroid;
 pub mod circles;
 mod fix;
-mod gauss_newton;
+pub(crate) mod gauss_newton;
 pub mod lattice;
 mod line;
 mod listener;
