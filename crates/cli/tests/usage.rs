@@ -34,7 +34,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
         ),
         (
             &["track", "a", "--method", "wifi", "-o", "b"],
-            "wifi needs the radio of the site: --mine MINE (places of access points) or --radio MODEL",
+            "wifi needs the radio of the site: --mine MINE (places of access points and anchors) or --radio MODEL",
         ),
         (
             &["track", "a", "--method", "foot-ins", "-o", "b", "--mine", "m.toml"],

@@ -217,7 +217,7 @@ pub fn solve(
     let expected = dof_plus_one / (problem.dof + 3.0);
     let covariance = (here.information * expected + prior_matrix).cholesky()?.inverse();
     let finite = position.iter().chain([&offset, &here.cost]).all(|value| value.is_finite());
-    finite.then(|| Minimum { position_m: position, offset, covariance, cost: here.cost })
+    finite.then_some(Minimum { position_m: position, offset, covariance, cost: here.cost })
 }
 
 impl Minimum {

@@ -53,8 +53,11 @@ pub fn dilution(
     for known in (0..4).filter(|axis| wanted[*axis] == 0.0) {
         information[(known, known)] = scale;
     }
+    if !scale.is_finite() {
+        return None;
+    }
     let spread = information.symmetric_eigenvalues();
-    if !(spread.min() > SINGULAR * spread.max()) {
+    if spread.min() <= SINGULAR * spread.max() {
         return None;
     }
     let cofactor = information.cholesky()?.inverse().diagonal().component_mul(&wanted);

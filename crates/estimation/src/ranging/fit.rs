@@ -48,6 +48,8 @@ const EQUAL: f64 = 1e-6;
 const UNLIKELY: f64 = 1e-3;
 /// So many standard deviations apart, squared, two searches have ended in two minima.
 const APART: f64 = 9.0;
+/// No anchor is farther from the origin than this, m.
+const FARTHEST_M: f64 = 1e9;
 /// Nearer to an anchor than this, m, nothing changes any more.
 const NEAREST_M: f64 = 0.05;
 
@@ -61,6 +63,9 @@ pub fn fit(ranges: &[Ranged], area: Option<&AreaPrior>, params: &FitParams) -> O
         return None;
     }
     let middle = ranges.iter().map(|one| one.position_m).sum::<Vector3<f64>>() / ranges.len() as f64;
+    if !ranges.iter().all(|one| one.position_m.iter().all(|value| value.abs() < FARTHEST_M)) {
+        return None;
+    }
     let normal = normal_of(ranges, &middle, known_m.is_none());
     // Off the plane, where the cost would have a saddle: `Σ d_i² = n ‖p − middle‖² + Σ ‖p_i − middle‖²`.
     let squares = ranges.iter().map(|one| {

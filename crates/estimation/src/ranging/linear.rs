@@ -43,8 +43,11 @@ pub fn linear(ranges: &[Ranged], height: Height) -> Option<RangingFix> {
         // The third unknown has no equation but zero.
         normal[(2, 2)] = 0.5 * normal.trace();
     }
+    if !normal.iter().all(|value| value.is_finite()) {
+        return None;
+    }
     let spread = normal.symmetric_eigenvalues();
-    if !(spread.min() > FLAT * spread.max()) {
+    if spread.min() <= FLAT * spread.max() {
         return None;
     }
     let solved = normal.cholesky()?;

@@ -11,13 +11,15 @@
 //! | robust least squares | Student's t: long tails | [`fit`] |
 //!
 //! Offset o, scale s and standard deviation σ of each anchor are a [`RangeModel`]. The [`Height`] of the tag is free, known, or known within a
-//! standard deviation. How well anchors lie for a place tells [`dilution`].
+//! standard deviation. How well anchors lie for a place tells [`dilution`]; [`epochs`] gathers
+//! the ranges of a log.
 //!
 //! Frame: that of the anchors, z up, m. Nothing here filters: each epoch stands for itself.
 //! Limits: anchors in one plane, or in one row, leave mirror images. Every [`RangingFix`] holds the more likely place, and in its covariance how
 //! far and how likely the other one is.
 
 pub mod dilution;
+pub mod epochs;
 pub mod fit;
 pub mod linear;
 pub mod spheres;
