@@ -62,11 +62,13 @@ Output:
 Radio:
   wifi makes positions of the signal strengths in the log. It needs to know the site: --mine gives places (and path loss) of access
   points, --radio what adit calibrate found on the spot; both together: what was calibrated goes first.
+  uwb-ls makes positions of ranges; --mine gives the places of the anchors, and what each adds to its ranges.
 
 Examples:
   adit track walk_imu.csv.gz --method foot-ins -o walk.tum
   adit track walk.mcap --method foot-ins --smooth -o walk.tum --json report.json
   adit track shift/p001/log.mcap --method wifi --mine shift/mine.json -o p001.tum
+  adit track ranges.csv --method uwb-ls --mine anchors.csv -o walk.tum --covariance walk.csv
   adit track part1.csv part2.csv --method foot-ins -o - | gzip > walk.tum.gz";
 
 const EVAL_EXAMPLES: &str = "\
@@ -294,7 +296,7 @@ fn radio_contradiction(
         }
         (RadioUse::Needed, None) => {
             let what = format!(
-                "{name} needs the radio of the site: --mine MINE (places of access points) or --radio MODEL \
+                "{name} needs the radio of the site: --mine MINE (places of access points and anchors) or --radio MODEL \
                  (of adit calibrate pathloss or fingerprint)"
             );
             Some((ErrorKind::MissingRequiredArgument, what))

@@ -32,6 +32,8 @@ pub enum MethodName {
     Wifi,
     /// Steps of a tag at the waist and positions by signal strength, as system S1 joins them; needs --mine or --radio
     PdrWifi,
+    /// Positions by ranges alone, one epoch of them at a time; needs --mine
+    UwbLs,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -66,6 +68,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::PdrWifi => {
                 type $settings = adit_estimation::methods::pdr_wifi::PdrWifiParams;
+                $body
+            }
+            $crate::method::MethodName::UwbLs => {
+                type $settings = adit_estimation::methods::uwb_ls::UwbLsParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -120,6 +126,7 @@ impl MethodName {
                 Self::Pdr
                 | Self::Wifi
                 | Self::PdrWifi
+                | Self::UwbLs
                 | Self::Ahrs
                 | Self::ReducedInsWifi
                 | Self::FullInsWifi,

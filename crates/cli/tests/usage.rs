@@ -14,7 +14,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 18] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
-            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, pdr-wifi, ahrs]",
+            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, pdr-wifi, uwb-ls, ahrs]",
         ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),
@@ -34,7 +34,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
         ),
         (
             &["track", "a", "--method", "wifi", "-o", "b"],
-            "wifi needs the radio of the site: --mine MINE (places of access points) or --radio MODEL",
+            "wifi needs the radio of the site: --mine MINE (places of access points and anchors) or --radio MODEL",
         ),
         (
             &["track", "a", "--method", "foot-ins", "-o", "b", "--mine", "m.toml"],

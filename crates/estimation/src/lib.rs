@@ -6,6 +6,7 @@
 //! - [`magnetic`]: the field as a compass, and when not to believe it.
 //! - [`pedestrian`]: what is true of people: when a foot stands still.
 //! - [`radio`]: position from signal strengths and round-trip ranges.
+//! - [`ranging`]: position in space from ranges to anchors, as UWB measures them.
 //! - [`methods`]: the published systems and adit's own, each readable whole in one file.
 //!
 //! Everything takes one observation at a time in bounded memory and is `no_std` + `alloc`.
@@ -20,4 +21,5 @@ pub mod magnetic;
 pub mod methods;
 pub mod pedestrian;
 pub mod radio;
+pub mod ranging;
 mod settings;

@@ -78,6 +78,16 @@ pub enum MethodError {
         /// The first of them in brackets; empty of none.
         names: String,
     },
+    /// The log holds no ranges that tell a position.
+    #[error("no position: of {ranges} ranges in the log, {unknown} are to anchors that are not known{names}")]
+    NoRangeFix {
+        /// Ranges in the log.
+        ranges: u64,
+        /// Of these, to unknown anchors.
+        unknown: u64,
+        /// The first of them in brackets; empty of none.
+        names: String,
+    },
     /// The log ended before the first sample.
     #[error("the log holds no IMU sample")]
     Empty,
@@ -123,6 +133,15 @@ pub enum MethodWarning {
         /// The first of them.
         names: String,
     },
+    /// Ranges to anchors that the site does not know: left.
+    UnknownAnchors {
+        /// How many anchors, at least.
+        anchors: usize,
+        /// How many ranges.
+        ranges: u64,
+        /// The first of them.
+        names: String,
+    },
     /// A field that was refused proved right: the heading was off, and so is the path until then.
     HeadingOpened {
         /// When it was found out.
@@ -162,6 +181,9 @@ impl MethodWarning {
             ),
             Self::UnknownTransmitters { transmitters, signals, names } => alloc::format!(
                 "{signals} signal strengths of {transmitters} unknown transmitters ({names}) were left: neither the mine nor the radio model has them"
+            ),
+            Self::UnknownAnchors { anchors, ranges, names } => alloc::format!(
+                "{ranges} ranges to {anchors} unknown anchors ({names}) were left: the mine has none of that name"
             ),
             Self::HeadingOpened { time, offset_deg } => alloc::format!(
                 "the heading was off by about {offset_deg:.0}° until {time} s, when the magnetic field proved right: the path before is turned"

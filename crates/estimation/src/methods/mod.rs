@@ -31,7 +31,9 @@ pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
 pub mod pdr_wifi;
+mod somewhere;
 mod tunable;
+pub mod uwb_ls;
 pub mod wifi;
 
 pub use error::{MethodError, MethodWarning};

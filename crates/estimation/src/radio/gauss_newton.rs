@@ -1,4 +1,4 @@
-//! Robust least squares for a place in the plane and one offset that all readings share.
+//! Robust least squares for a place in the plane and one further unknown, called offset: what all readings share, or a height.
 //!
 //! Minimises `Σ (ν+1)/2 ln(1 + e²/ν) + prior`, the negative log-likelihood of Student's t with ν degrees of freedom, by Levenberg's
 //! and Marquardt's damped steps on reweighted squares (weight `(ν+1)/(ν+e²)`; Lange, Little & Taylor 1989). The cost needs
@@ -27,8 +27,10 @@ pub struct Residuals {
 pub struct Problem<'a> {
     /// Degrees of freedom ν.
     pub dof: f64,
-    /// Standard deviation of the shared offset; 0 keeps it at zero.
+    /// Standard deviation of the offset about zero; 0 keeps it at zero.
     pub offset_sigma: f64,
+    /// Steps of the offset shorter than this end the search, in its own unit.
+    pub small_offset: f64,
     /// Where the tag may be.
     pub prior: Option<&'a AreaPrior>,
     /// Iterations at most.
@@ -41,7 +43,9 @@ pub struct Problem<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Minimum {
     pub position_m: Vector2<f64>,
-    pub covariance_m2: Matrix2<f64>,
+    pub offset: f64,
+    /// Of east, north and offset.
+    pub covariance: Matrix3<f64>,
     pub cost: f64,
 }
 
@@ -145,14 +149,14 @@ fn symmetric([ee, en, eo, nn, no, oo]: &[f64; 6]) -> Matrix3<f64> {
     Matrix3::new(*ee, *en, *eo, *en, *nn, *no, *eo, *no, *oo)
 }
 
-/// The minimum next to `start_m`; `None` where the equations have no solution.
+/// The minimum next to the start; `None` where the equations have no solution.
 ///
 /// `residuals` gives those of the readings from `LANES · group` on at a place and offset.
 #[inline]
 pub fn solve(
     groups: usize,
     residuals: impl Fn(usize, &Vector2<f64>, f64) -> Residuals,
-    start_m: Vector2<f64>,
+    (start_m, start_offset): (Vector2<f64>, f64),
     problem: &Problem<'_>,
 ) -> Option<Minimum> {
     let prior = problem.prior.map(|prior| Some((prior.mean_m, prior.covariance_m2.try_inverse()?)));
@@ -186,7 +190,7 @@ pub fn solve(
             cost,
         }
     };
-    let (mut position, mut offset) = (start_m, 0.0);
+    let (mut position, mut offset) = (start_m, start_offset);
     let mut here = normal_at(&position, offset);
     let mut damping = 1e-3;
     for _ in 0..problem.iterations {
@@ -198,7 +202,7 @@ pub fn solve(
             (position, offset) = next;
             here = there;
             damping *= 0.1;
-            if step.xy().norm() < problem.small_step_m {
+            if step.xy().norm() < problem.small_step_m && step.z.abs() < problem.small_offset {
                 break;
             }
         } else {
@@ -212,10 +216,13 @@ pub fn solve(
     // sample would make good luck look like certainty. The offset's uncertainty is in the block of the place.
     let expected = dof_plus_one / (problem.dof + 3.0);
     let covariance = (here.information * expected + prior_matrix).cholesky()?.inverse();
-    let finite = position.iter().all(|value| value.is_finite()) && here.cost.is_finite();
-    finite.then(|| Minimum {
-        position_m: position,
-        covariance_m2: covariance.fixed_view::<2, 2>(0, 0).into_owned(),
-        cost: here.cost,
-    })
+    let finite = position.iter().chain([&offset, &here.cost]).all(|value| value.is_finite());
+    finite.then_some(Minimum { position_m: position, offset, covariance, cost: here.cost })
+}
+
+impl Minimum {
+    /// Of the place alone, m².
+    pub fn level_covariance_m2(&self) -> Matrix2<f64> {
+        self.covariance.fixed_view::<2, 2>(0, 0).into_owned()
+    }
 }

@@ -142,9 +142,14 @@ impl HeardReport {
 
     /// The first unknown transmitters by name, for a warning.
     pub fn unknown(&self) -> String {
-        const SHOWN: usize = 3;
-        let names: Vec<&str> = self.unknown_transmitters.iter().take(SHOWN).map(DeviceId::as_str).collect();
-        let more = if self.unknown_transmitters.len() > SHOWN { ", …" } else { "" };
-        names.join(", ") + more
+        first_names(&self.unknown_transmitters)
     }
+}
+
+/// The first few, for a line to a user.
+pub fn first_names(all: &[DeviceId]) -> String {
+    const SHOWN: usize = 3;
+    let names: Vec<&str> = all.iter().take(SHOWN).map(DeviceId::as_str).collect();
+    let more = if all.len() > SHOWN { ", …" } else { "" };
+    names.join(", ") + more
 }

@@ -23,7 +23,7 @@
 pub mod centroid;
 pub mod circles;
 mod fix;
-mod gauss_newton;
+pub(crate) mod gauss_newton;
 pub mod lattice;
 mod line;
 mod listener;
@@ -41,9 +41,10 @@ pub mod walk;
 
 pub use fix::{AreaPrior, RadioFix};
 pub use lattice::Lattice;
+pub(crate) use listener::first_names;
 pub use listener::{HeardReport, Listener};
 pub use map::{MapParams, PlaceFix, RadioMap, Reading};
-pub use site::{CentreLines, RadioSite, Surveyed, SurveyedMap};
+pub use site::{CentreLines, RadioSite, SiteAnchor, Surveyed, SurveyedMap};
 
 pub use adit_mine::plan::PathLoss;
 

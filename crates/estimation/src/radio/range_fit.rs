@@ -71,6 +71,7 @@ pub fn range_fit(ranges: &[Ranged], prior: Option<&AreaPrior>, params: &RangeFit
     let problem = Problem {
         dof: params.dof,
         offset_sigma: 0.0,
+        small_offset: f64::INFINITY,
         prior,
         iterations: params.iterations,
         small_step_m: params.small_step_m,
@@ -93,7 +94,8 @@ pub fn range_fit(ranges: &[Ranged], prior: Option<&AreaPrior>, params: &RangeFit
     let linear = trilateration::linear_ranges(ranges, params.height_m).map(|fix| fix.position_m);
     let starts = [Some(middle), linear];
     let groups = ranges.len().div_ceil(LANES);
-    let minima = starts.into_iter().flatten().filter_map(|start| solve(groups, residuals, start, &problem));
+    let minima =
+        starts.into_iter().flatten().filter_map(|start| solve(groups, residuals, (start, 0.0), &problem));
     let best = minima.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    Some(RadioFix { position_m: best.position_m, covariance_m2: best.covariance_m2 })
+    Some(RadioFix { position_m: best.position_m, covariance_m2: best.level_covariance_m2() })
 }

@@ -49,6 +49,7 @@ pub fn signal_fit(
     let problem = Problem {
         dof: params.dof,
         offset_sigma: params.offset_sigma_db,
+        small_offset: f64::INFINITY,
         prior,
         iterations: params.iterations,
         small_step_m: params.small_step_m,
@@ -58,10 +59,10 @@ pub fn signal_fit(
     let minimum = solve(
         prepared.len(),
         |group, position, offset| prepared[group].residuals(position, offset),
-        start,
+        (start, 0.0),
         &problem,
     )?;
-    Some(RadioFix { position_m: minimum.position_m, covariance_m2: minimum.covariance_m2 })
+    Some(RadioFix { position_m: minimum.position_m, covariance_m2: minimum.level_covariance_m2() })
 }
 
 /// Some readings with everything that does not change from step to step, over their standard deviation; zero where there is none.

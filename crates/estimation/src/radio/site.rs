@@ -38,6 +38,17 @@ pub struct Transmitter {
     pub path_loss: Option<PathLoss>,
 }
 
+/// An anchor of the site, for ranges.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SiteAnchor {
+    /// Its id, as in the logs.
+    pub id: String,
+    /// East, north, height of its antenna, m.
+    pub position_m: Vector3<f64>,
+    /// What it adds to every range, m.
+    pub range_offset_m: f64,
+}
+
 /// What of a calibration is the same for all transmitters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Calibrated {
@@ -98,6 +109,8 @@ impl CentreLines {
 pub struct RadioSite {
     /// Transmitters whose place is known.
     pub transmitters: Vec<Transmitter>,
+    /// Anchors.
+    pub anchors: Vec<SiteAnchor>,
     /// Places where people are, east, north, m: along the centre lines of roadways.
     pub spots_m: Vec<Vector2<f64>>,
     /// Those centre lines.
@@ -113,7 +126,7 @@ pub struct RadioSite {
 }
 
 impl RadioSite {
-    /// Access points and roadways of a mine; where it has no access points, its anchors stand for them (a bare list of places).
+    /// Access points, anchors and roadways of a mine; where it has no access points, its anchors stand for them (a bare list of places).
     pub fn of_plan(plan: &MinePlan) -> Self {
         let mut transmitters: Vec<Transmitter> = plan.access_points.iter().map(Transmitter::of).collect();
         if transmitters.is_empty() {
@@ -127,6 +140,12 @@ impl RadioSite {
                 path_loss: None,
             }));
         }
+        let anchors = plan.anchors.iter().map(|anchor| SiteAnchor {
+            id: anchor.id.clone(),
+            position_m: *anchor.position_m.raw(),
+            range_offset_m: anchor.range_offset_m.unwrap_or(0.0),
+        });
+        let anchors = anchors.collect();
         let (mut spots_m, mut centre_lines) = (Vec::new(), CentreLines::default());
         for roadway in &plan.roadways {
             for leg in roadway.points_m.windows(2) {
@@ -143,7 +162,7 @@ impl RadioSite {
         let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
         let area = AreaPrior::of(&spots_m, MARGIN_M);
         let reach_m = MARGIN_M.max(0.5 * widest_m);
-        Self { transmitters, spots_m, centre_lines, reach_m, area, calibrated: None, surveyed: None }
+        Self { transmitters, anchors, spots_m, centre_lines, reach_m, area, calibrated: None, surveyed: None }
     }
 
     /// The same with what `adit calibrate pathloss` found.

@@ -9,15 +9,15 @@
 //! Frame: that of the site. Needs no sensors of the tag.
 //! Limits: those of the locator ([`crate::radio`]).
 
+use crate::methods::somewhere::somewhere;
 use crate::methods::{
     Estimates, Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, RadioUse,
 };
 use crate::radio::locator::LocatorParams;
 use crate::radio::scan::ScanParams;
 use crate::radio::{HeardReport, Listener, RadioSite};
-use adit_core::attitude::Attitude;
-use adit_core::nalgebra::{Matrix3, Vector3};
-use adit_core::solution::{Quality, Solution, SolutionCovariance};
+use adit_core::nalgebra::Matrix3;
+use adit_core::solution::Solution;
 use adit_core::time::Time;
 use adit_observation::{Observation, PositionFix};
 use alloc::boxed::Box;
@@ -28,10 +28,6 @@ use serde::{Deserialize, Serialize};
 
 /// Name of the method.
 const NAME: &str = "wifi";
-/// Speed of somebody of whom nothing is known, standard deviation on each level axis, m/s.
-const ANY_SPEED_M_S: f64 = 1.0;
-/// Any attitude: standard deviation of the uniform distribution over a turn, rad.
-const ANY_ANGLE_RAD: f64 = 1.8138;
 
 /// Settings of [`Wifi`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -86,7 +82,9 @@ impl Wifi {
             return;
         }
         self.told = Some(fix.time);
-        let solution = solution(fix);
+        let mut covariance_m2 = Matrix3::zeros();
+        covariance_m2.fixed_view_mut::<2, 2>(0, 0).copy_from(&fix.covariance_m2);
+        let solution = somewhere(fix.time, fix.level_m.push(0.0), &covariance_m2);
         self.radius_sum_m += solution.radius_95_m();
         self.due.push_back(solution);
     }
@@ -94,24 +92,6 @@ impl Wifi {
     fn account(&mut self) {
         self.report.heard = self.listener.report().clone();
         self.report.mean_radius_95_m = self.radius_sum_m / self.report.heard.fixes.max(1) as f64;
-    }
-}
-
-/// Position as measured, and what is true of anybody.
-fn solution(fix: &PositionFix) -> Solution {
-    let mut covariance = SolutionCovariance::zeros();
-    covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&fix.covariance_m2);
-    covariance[(3, 3)] = ANY_SPEED_M_S * ANY_SPEED_M_S;
-    covariance[(4, 4)] = ANY_SPEED_M_S * ANY_SPEED_M_S;
-    let any = Matrix3::identity() * (ANY_ANGLE_RAD * ANY_ANGLE_RAD);
-    covariance.fixed_view_mut::<3, 3>(6, 6).copy_from(&any);
-    Solution {
-        time: fix.time,
-        position_m: Vector3::new(fix.level_m.x, fix.level_m.y, 0.0),
-        velocity_m_s: Vector3::zeros(),
-        attitude: Attitude::identity(),
-        covariance,
-        quality: Quality::Fixed,
     }
 }
 

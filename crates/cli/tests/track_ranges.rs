@@ -1,0 +1,108 @@
+//! `adit track --method uwb-ls` in the laboratory of system S4, with the anchors of a mine file and of a bare list.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use common::{Outcome, adit};
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// As in `mines/lab.toml`.
+const ANCHORS: [(&str, [f64; 3]); 4] =
+    [("a1", [2.0, 0.2, 3.2]), ("a2", [18.0, 0.2, 2.0]), ("a3", [22.0, 15.8, 3.2]), ("a4", [6.0, 15.8, 2.0])];
+
+/// A tag at 1.1 m goes straight through the laboratory; ranges to 1 mm, and some to an anchor that nobody knows.
+fn laboratory() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut log, mut truth) =
+        (String::from("time_s,anchor_id,range_m\n"), String::from("time_s,x_m,y_m,z_m\n"));
+    let mut anchors = String::from("anchor_id,x_m,y_m,z_m\n");
+    for (id, [x, y, z]) in ANCHORS {
+        writeln!(anchors, "{id},{x},{y},{z}").unwrap();
+    }
+    for epoch in 0..200 {
+        let time = 0.1 * f64::from(epoch);
+        let (x, y) = (4.0 + 0.8 * time, 3.0 + 0.5 * time);
+        writeln!(truth, "{time:.1},{x},{y},1.1").unwrap();
+        for (id, [east, north, up]) in ANCHORS {
+            let range = (x - east).hypot(y - north).hypot(1.1 - up);
+            writeln!(log, "{time:.1},{id},{range:.3}").unwrap();
+        }
+        if epoch % 10 == 0 {
+            writeln!(log, "{time:.1},stranger,5.0").unwrap();
+        }
+    }
+    let files = [
+        ("ranges.csv", log),
+        ("truth.csv", truth),
+        ("anchors.csv", anchors),
+        ("height.toml", "[solver]\nheight_m = 1.1\nheight_sigma_m = 0.0\n".into()),
+        ("linear.toml", "[solver]\nkind = \"linear\"\nheight_m = 1.1\n".into()),
+        ("space.toml", "[solver]\nkind = \"linear-3d\"\n".into()),
+        ("bad.toml", "[solver]\nkind = \"cubic\"\n".into()),
+        ("none.csv", "time_s,anchor_id,range_m\n0.0,x1,2.0\n0.1,x1,2.0\n".into()),
+    ];
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn track(folder: &Path, log: &str, flags: &[&str]) -> Outcome {
+    adit(
+        folder,
+        &[&["track", log, "--method", "uwb-ls", "-o", "walk.tum", "--json", "walk.json"], flags].concat(),
+    )
+}
+
+#[test]
+fn a_walk_is_found_by_ranges_with_either_list_of_anchors() {
+    let folder = laboratory();
+    let folder = folder.path();
+    let lab = concat!(env!("CARGO_MANIFEST_DIR"), "/../../mines/lab.toml");
+    for flags in [
+        &["--mine", lab, "--config", "height.toml"][..],
+        &["--mine", "anchors.csv", "--config", "height.toml"],
+        &["--mine", "anchors.csv", "--config", "linear.toml"],
+        &["--mine", "anchors.csv", "--config", "space.toml"],
+    ] {
+        let Outcome { code, stderr, .. } = track(folder, "ranges.csv", flags);
+        assert_eq!(code, 0, "{flags:?}: {stderr}");
+        assert!(stderr.contains("20 ranges to 1 unknown anchors (stranger)"), "{stderr}");
+        let report: Value = serde_json::from_slice(&fs::read(folder.join("walk.json")).unwrap()).unwrap();
+        let counts =
+            ["ranges", "unknown_ranges", "epochs", "fixes"].map(|name| &report["method_report"][name]);
+        assert_eq!(counts.map(|count| count.as_u64().unwrap()), [820, 20, 200, 200], "{flags:?}");
+        let eval = ["eval", "walk.tum", "--truth", "truth.csv", "--align", "none", "--json"];
+        let Outcome { code, stdout, stderr } = adit(folder, &eval);
+        assert_eq!(code, 0, "{stderr}");
+        let errors: Value = serde_json::from_str(&stdout).unwrap();
+        // Half a millimetre of rounding, by the dilution of the laboratory.
+        assert!(errors["max_2d_m"].as_f64().unwrap() < 0.01, "{flags:?}: {errors}");
+    }
+}
+
+#[test]
+fn what_cannot_be_tracked_is_told_in_a_line() {
+    let folder = laboratory();
+    let folder = folder.path();
+    for (log, flags, code, expected) in [
+        ("ranges.csv", &[][..], 2, "uwb-ls needs the radio of the site: --mine MINE"),
+        ("ranges.csv", &["--mine", "anchors.csv", "--smooth"], 2, "uwb-ls has no smoother: --smooth"),
+        ("ranges.csv", &["--mine", "anchors.csv", "--config", "bad.toml"], 1, "bad.toml:2"),
+        (
+            "none.csv",
+            &["--mine", "anchors.csv"],
+            1,
+            "no position: of 2 ranges in the log, 2 are to anchors that are not known (x1)",
+        ),
+    ] {
+        let outcome = track(folder, log, flags);
+        assert_eq!(outcome.code, code, "{flags:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(expected), "{flags:?}: {}", outcome.stderr);
+        assert!(!folder.join("walk.tum").exists());
+    }
+}
