@@ -92,6 +92,13 @@ pub struct Link {
     pub line_of_sight: Option<f64>,
 }
 
+impl Link {
+    /// Whether it counts as clear: judged more likely straight than not, or not judged at all.
+    pub fn is_clear(&self) -> bool {
+        self.line_of_sight.is_none_or(|probability| probability >= 0.5)
+    }
+}
+
 impl RangeListener {
     /// Nothing heard yet; fails where a setting cannot be worked with, or the site has no anchors.
     pub fn new(
