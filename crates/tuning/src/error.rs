@@ -32,6 +32,12 @@ pub enum TuningError {
         /// How many are needed.
         expected: usize,
     },
+    /// A range or a distance that is none.
+    #[error("a range or distance of {found} m, expected a finite number")]
+    Range {
+        /// What was found, m.
+        found: f64,
+    },
     /// The magnetometer was hardly turned, or about one axis only.
     #[error(
         "the readings of the magnetometer lie within {thickness_percent:.1} % of a plane (normal {normal} of the sensor): it was turned \

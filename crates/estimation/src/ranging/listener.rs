@@ -1,5 +1,6 @@
 //! The ranging half of a method: ranges in, epochs of them to known anchors out, with an account of what was heard.
 
+use super::correction::RangeCorrection;
 use super::epochs::{Epoch, EpochParams, Epochs};
 use super::{RangeModel, Ranged};
 use crate::methods::{MethodError, MethodWarning};
@@ -24,8 +25,10 @@ pub struct RangesParams {
     pub epoch_s: f64,
     /// What is late is waited for so long, s.
     pub wait_s: f64,
-    /// Standard deviation of a range where the device does not tell, m.
+    /// Standard deviation of a range where neither the device nor a calibration tells, m.
     pub sigma_m: f64,
+    /// The same of a range that is judged not to have come straight, m.
+    pub nlos_sigma_m: f64,
     /// What every range reads too long, m, beside the offset of its anchor.
     pub offset_m: f64,
 }
@@ -33,7 +36,7 @@ pub struct RangesParams {
 impl Default for RangesParams {
     fn default() -> Self {
         let EpochParams { epoch_s, wait_s } = EpochParams::default();
-        Self { tag: None, epoch_s, wait_s, sigma_m: 0.15, offset_m: 0.0 }
+        Self { tag: None, epoch_s, wait_s, sigma_m: 0.15, nlos_sigma_m: 1.0, offset_m: 0.0 }
     }
 }
 
@@ -42,9 +45,16 @@ impl RangesParams {
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         let own = first_unusable(&[
             ("ranges.sigma_m", positive(self.sigma_m)),
+            ("ranges.nlos_sigma_m", positive(self.nlos_sigma_m)),
             ("ranges.offset_m", self.offset_m.is_finite()),
         ]);
         self.epochs().unusable().or(own)
+    }
+
+    /// Of both hypotheses, by their probability.
+    fn sigma_of(&self, range: &RangeSample) -> f64 {
+        let p = range.line_of_sight.unwrap_or(1.0);
+        libm::sqrt(p * self.sigma_m * self.sigma_m + (1.0 - p) * self.nlos_sigma_m * self.nlos_sigma_m)
     }
 
     fn epochs(&self) -> EpochParams {
@@ -58,6 +68,7 @@ pub struct RangeListener {
     params: RangesParams,
     /// By id.
     anchors: Vec<SiteAnchor>,
+    correction: Option<RangeCorrection>,
     epochs: Epochs,
     heard: RangesHeard,
 }
@@ -86,7 +97,7 @@ pub struct Link {
     pub time: Time,
     /// Which anchor, in [`RangeListener::anchors`].
     pub anchor: usize,
-    /// Place, model and measured distance.
+    /// Place, model and distance, less what is known that it errs.
     pub ranged: Ranged,
     /// Probability that the signal came straight, where something has judged it.
     pub line_of_sight: Option<f64>,
@@ -115,7 +126,8 @@ impl RangeListener {
         }
         anchors.sort_by(|a, b| a.id.cmp(&b.id));
         let epochs = Epochs::new(params.epochs());
-        Ok(Self { params, anchors, epochs, heard: RangesHeard::default() })
+        let correction = site.and_then(|site| site.ranges.clone());
+        Ok(Self { params, anchors, correction, epochs, heard: RangesHeard::default() })
     }
 
     /// The anchors of the site, by id.
@@ -176,15 +188,22 @@ impl RangeListener {
     pub fn link(&self, range: &RangeSample) -> Option<Link> {
         let index = self.anchor(range.anchor.as_str())?;
         let anchor = self.anchors.get(index)?;
+        let (range_m, calibrated_m) = match &self.correction {
+            Some(correction) => {
+                let corrected = correction.correct(range);
+                (corrected.distance_m, Some(corrected.sigma_m))
+            }
+            None => (range.range_m - anchor.range_offset_m, None),
+        };
         let model = RangeModel {
-            offset_m: anchor.range_offset_m + self.params.offset_m,
+            offset_m: self.params.offset_m,
             scale: 1.0,
-            sigma_m: range.sigma_m.unwrap_or(self.params.sigma_m),
+            sigma_m: range.sigma_m.or(calibrated_m).unwrap_or_else(|| self.params.sigma_of(range)),
         };
         Some(Link {
             time: range.time,
             anchor: index,
-            ranged: Ranged { position_m: anchor.position_m, model, range_m: range.range_m },
+            ranged: Ranged { position_m: anchor.position_m, model, range_m },
             line_of_sight: range.line_of_sight,
         })
     }

@@ -12,7 +12,7 @@
 
 use super::Environment;
 use crate::methods::NoiseParameter;
-use crate::settings::{first_unusable, not_negative, positive};
+use crate::settings::{first_unusable, not_negative};
 use adit_core::nalgebra::{Matrix2, Vector2};
 use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
@@ -21,8 +21,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FusionParams {
-    /// Standard deviation of a range that is not clear, after its correction, m.
-    pub nlos_sigma_m: f64,
     /// Error of dead reckoning as a share of the way.
     pub drift_share: f64,
     /// Who does not walk still shifts about: m/√s.
@@ -35,20 +33,14 @@ pub struct FusionParams {
 
 impl Default for FusionParams {
     fn default() -> Self {
-        Self {
-            nlos_sigma_m: 1.0,
-            drift_share: 0.05,
-            standing_m_sqrt_s: 0.05,
-            gap_speed_m_s: 1.0,
-            correlation_s: 2.0,
-        }
+        Self { drift_share: 0.05, standing_m_sqrt_s: 0.05, gap_speed_m_s: 1.0, correlation_s: 2.0 }
     }
 }
 
 impl FusionParams {
     /// What tuning may search.
     pub(super) const NOISE: [NoiseParameter; 4] = [
-        NoiseParameter::new("fusion.nlos_sigma_m", 0.1, 20.0),
+        NoiseParameter::new("ranges.nlos_sigma_m", 0.1, 20.0),
         NoiseParameter::new("fusion.drift_share", 1e-3, 0.5),
         NoiseParameter::new("fusion.standing_m_sqrt_s", 1e-3, 0.5),
         NoiseParameter::new("fusion.correlation_s", 0.1, 60.0),
@@ -57,7 +49,6 @@ impl FusionParams {
     /// The first setting that cannot be worked with, by name.
     pub(super) fn unusable(&self) -> Option<&'static str> {
         first_unusable(&[
-            ("fusion.nlos_sigma_m", positive(self.nlos_sigma_m)),
             ("fusion.drift_share", not_negative(self.drift_share)),
             ("fusion.standing_m_sqrt_s", not_negative(self.standing_m_sqrt_s)),
             ("fusion.gap_speed_m_s", not_negative(self.gap_speed_m_s)),

@@ -147,22 +147,12 @@ impl UwbPdr {
 
     /// A position by UWB of what the environment leaves.
     fn fix(&self, links: &[Link], environment: Environment) -> Option<RangingFix> {
-        let clear = |link: &&Link| link.is_clear();
         // Linear squares have no weights: what is clear is enough, or everything counts alike.
         let clear_alone =
             environment == Environment::WithError && self.params.solver.kind != SolverKind::Robust;
-        let ranges: Vec<Ranged> =
-            links.iter().filter(|link| !clear_alone || clear(link)).map(|link| self.believed(link)).collect();
+        let taken = links.iter().filter(|link| !clear_alone || link.is_clear());
+        let ranges: Vec<Ranged> = taken.map(|link| link.ranged).collect();
         self.solver.solve(&ranges)
-    }
-
-    /// A range with the standard deviation of its class.
-    fn believed(&self, link: &Link) -> Ranged {
-        let mut ranged = link.ranged;
-        if !link.is_clear() {
-            ranged.model.sigma_m = ranged.model.sigma_m.max(self.params.fusion.nlos_sigma_m);
-        }
-        ranged
     }
 
     /// Dead reckoning has come to a place.
