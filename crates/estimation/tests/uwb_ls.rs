@@ -47,6 +47,7 @@ fn range(anchor: &str, time_s: f64, range_m: f64) -> RangeSample {
         range_m,
         sigma_m: None,
         line_of_sight: None,
+        in_the_way: None,
         radio: Radio::Uwb,
         reception: None,
     }
