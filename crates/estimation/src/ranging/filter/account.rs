@@ -2,6 +2,7 @@
 
 use super::gate::Verdict;
 use super::{OffsetFound, Taken};
+use adit_observation::DeviceId;
 use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -33,16 +34,19 @@ pub struct FilterReport {
     pub nis_count: u64,
     /// What all ranges read too long, at the end.
     pub common_offset: Option<OffsetFound>,
-    /// What the ranges of each anchor that was heard last read too long, all told.
+    /// What the ranges of each link that was heard last read too long, all told.
     pub offsets: Vec<FoundOffset>,
 }
 
-/// Offset of an anchor.
+/// Offset of a link.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundOffset {
-    /// Its id.
+    /// Id of the anchor.
     pub anchor: String,
-    /// What its ranges read too long.
+    /// Id of the tag, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tag: Option<DeviceId>,
+    /// What its ranges read too long, all told.
     #[serde(flatten)]
     pub found: OffsetFound,
 }

@@ -1,13 +1,13 @@
 //! Filters on single ranges: where a tag is, how it moves, and by what its ranges are off.
 //!
 //! ```text
-//! x = [p 3 | v 3 | b | δ k | c 8 | n 8]
+//! x = [p 3 | v 3 | b | δ k | c 12 | n 12]
 //! r = ‖p − p_i‖ + b + c_i + n_i + e
 //! ```
 //!
 //! Ranges of UWB err in common first (b: the antenna of the tag), then by anchor (c), then by what is beside the path just now (n, which passes within a second);
 //! what is left as noise e is a few centimetres. A filter that takes all of it for noise believes itself far too much, since the next
-//! hundred ranges have the same error. Offsets are of [`SLOTS`] anchors at once. Motion is that of people ([`MotionParams`], [`HeightParams`]), or the steps
+//! hundred ranges have the same error. Offsets are of [`SLOTS`] links at once, an anchor and a tag each. Motion is that of people ([`MotionParams`], [`HeightParams`]), or the steps
 //! of dead reckoning, turned by δ and stretched by k.
 //!
 //! Weightings and gates are settings of the same filter: [`weighting`], [`gate`]. The start: several robust fits in a row that agree.
@@ -102,9 +102,15 @@ impl Hypothesis {
     }
 
     /// Takes a range.
-    fn observe(&mut self, link: &Link, params: &FilterParams, weighting: &Weighting) -> (Verdict, Taken) {
+    fn observe(
+        &mut self,
+        link: &Link,
+        tag: usize,
+        params: &FilterParams,
+        weighting: &Weighting,
+    ) -> (Verdict, Taken) {
         self.state.propagate(link.time, params);
-        let mut innovation = self.state.compare(link, params);
+        let mut innovation = self.state.compare(link, tag, params);
         if innovation.fresh {
             self.adaptation.forget(innovation.slot);
         }
@@ -129,7 +135,7 @@ impl Hypothesis {
             }
             Verdict::Relaxed => {
                 self.state.doubt(value.abs(), params);
-                let anew = self.state.compare(link, params);
+                let anew = self.state.compare(link, tag, params);
                 self.state.correct(&anew, anew.variance_m2());
                 1.0
             }
@@ -140,9 +146,12 @@ impl Hypothesis {
 }
 
 impl RangeFilter {
-    /// Nothing heard yet; settings must be usable.
-    pub(crate) fn new(params: FilterParams, weighting: Weighting) -> Self {
-        Self {
+    /// Nothing heard yet; fails with the name of the first setting that cannot be worked with.
+    pub fn new(params: FilterParams, weighting: Weighting) -> Result<Self, &'static str> {
+        if let Some(name) = params.unusable().or_else(|| weighting.unusable()) {
+            return Err(name);
+        }
+        Ok(Self {
             params,
             weighting,
             starter: Starter::default(),
@@ -151,7 +160,7 @@ impl RangeFilter {
             undecided: None,
             held: None,
             report: FilterReport::default(),
-        }
+        })
     }
 
     /// Starts at a place that is told, with its covariance, m².
@@ -164,8 +173,8 @@ impl RangeFilter {
 
     /// Takes a range; `None` before the start, and of one that is too old.
     ///
-    /// Ranges may come up to [`OLDEST_S`] after others of a later time.
-    pub fn observe(&mut self, link: &Link) -> Option<Taken> {
+    /// `tag` tells the tags of a carrier apart, by any number. Ranges may come up to [`OLDEST_S`] after others of a later time.
+    pub fn observe(&mut self, link: &Link, tag: usize) -> Option<Taken> {
         if !link.ranged.range_m.is_finite() {
             return None;
         }
@@ -179,14 +188,14 @@ impl RangeFilter {
             self.report.too_old += 1;
             return None;
         }
-        let (verdict, taken) = believed.observe(link, &self.params, &self.weighting);
+        let (verdict, taken) = believed.observe(link, tag, &self.params, &self.weighting);
         self.report.count(verdict, &taken);
         if verdict != Verdict::Refused {
             self.held = self.held.max(Some(link.time));
         }
         let doubts = believed.gate.doubts(&self.params.gate);
         if let Some(other) = &mut self.other {
-            other.observe(link, &self.params, &self.weighting);
+            other.observe(link, tag, &self.params, &self.weighting);
             self.decide(link.time);
         }
         if doubts {
@@ -232,6 +241,7 @@ impl RangeFilter {
         let both = believed.state.place_covariance_m2() + start.covariance_m2;
         let far = both.cholesky().is_none_or(|root| away.dot(&root.solve(&away)) > FAR);
         if !far {
+            believed.gate.calm(&self.params.gate);
             return;
         }
         believed.state.moved_to(&start.place_m, &start.covariance_m2, &self.params);
@@ -290,6 +300,11 @@ impl RangeFilter {
         })
     }
 
+    /// Whether the estimate has left the range of numbers.
+    pub fn has_diverged(&self) -> bool {
+        self.believed.as_ref().is_some_and(|believed| !believed.state.is_finite())
+    }
+
     /// What became of the ranges so far; without offsets.
     pub fn report(&self) -> &FilterReport {
         &self.report
@@ -300,8 +315,8 @@ impl RangeFilter {
         self.believed.as_ref().map(|believed| believed.state.common_offset())
     }
 
-    /// What the ranges of the anchors heard last read too long, all told, by index in the list of the site.
-    pub fn offsets(&self) -> impl Iterator<Item = (usize, OffsetFound)> {
+    /// What the ranges of the links heard last read too long, all told: anchor by index in the list of the site, tag, offset.
+    pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, OffsetFound)> {
         self.believed.iter().flat_map(|believed| believed.state.offsets())
     }
 }

@@ -1,7 +1,6 @@
 //! Settings of the filter.
 
 use super::gate::GateParams;
-use super::weighting::Weighting;
 use crate::methods::NoiseParameter;
 use crate::settings::{first_unusable, not_negative, positive};
 use serde::{Deserialize, Serialize};
@@ -101,13 +100,13 @@ pub struct StartParams {
 
 impl Default for MotionParams {
     fn default() -> Self {
-        Self { speed_m_s: 1.4, steady_s: 2.0 }
+        Self { speed_m_s: 1.4, steady_s: 4.0 }
     }
 }
 
 impl Default for HeightParams {
     fn default() -> Self {
-        Self { height_m: None, sigma_m: 0.8, climb_m_s: 0.8, below_anchors_m: 0.5 }
+        Self { height_m: None, sigma_m: 1.2, climb_m_s: 0.36, below_anchors_m: 1.0 }
     }
 }
 
@@ -116,10 +115,10 @@ impl Default for ErrorParams {
         Self {
             least_sigma_m: 0.04,
             passing_sigma_m: 0.07,
-            correlation_s: 0.7,
-            anchor_offset_sigma_m: 0.05,
+            correlation_s: 1.5,
+            anchor_offset_sigma_m: 0.04,
             offset_s: 3600.0,
-            common_offset_sigma_m: 0.2,
+            common_offset_sigma_m: 0.3,
         }
     }
 }
@@ -171,7 +170,7 @@ impl FilterParams {
     ];
 
     /// The first setting that cannot be worked with, by name.
-    pub(crate) fn unusable(&self) -> Option<&'static str> {
+    pub(super) fn unusable(&self) -> Option<&'static str> {
         let Self { motion, height, errors, reckoning, gate, start } = self;
         first_unusable(&[
             ("filter.motion.speed_m_s", positive(motion.speed_m_s)),
@@ -198,25 +197,5 @@ impl FilterParams {
             ("filter.start.sigma_m", positive(start.sigma_m)),
         ])
         .or_else(|| gate.unusable())
-    }
-}
-
-impl Weighting {
-    /// The first setting that cannot be worked with, by name.
-    pub(crate) fn unusable(&self) -> Option<&'static str> {
-        match *self {
-            Self::Equal => None,
-            Self::Huber { bound } => first_unusable(&[("weighting.bound", positive(bound))]),
-            Self::Igg3 { full, none } => {
-                first_unusable(&[("weighting.full", positive(full)), ("weighting.none", positive(none) && none > full)])
-            }
-            Self::Adaptive { memory, window, bound, least_share, most_share } => first_unusable(&[
-                ("weighting.memory", (0.0..1.0).contains(&memory) && memory > 0.0),
-                ("weighting.window", (1..=1000).contains(&window)),
-                ("weighting.bound", positive(bound)),
-                ("weighting.least_share", positive(least_share) && least_share <= 1.0),
-                ("weighting.most_share", positive(most_share) && most_share >= 1.0),
-            ]),
-        }
     }
 }

@@ -8,9 +8,9 @@ use adit_core::nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// Anchors whose offsets are estimated at once; the one that was heard least recently gives way to a further one.
-pub const SLOTS: usize = 8;
-/// Place, velocity, common offset, heading offset and scale of dead reckoning, two errors of each anchor.
+/// Links whose offsets are estimated at once; the one that was heard least recently gives way to a further one.
+pub const SLOTS: usize = 12;
+/// Place, velocity, common offset, heading offset and scale of dead reckoning, two errors of each link.
 pub const STATES: usize = 9 + 2 * SLOTS;
 
 /// First of the three components of the velocity; the place is before it.
@@ -21,7 +21,7 @@ const COMMON: usize = 6;
 const HEADING: usize = 7;
 /// Metres walked for each metre reckoned.
 const SCALE: usize = 8;
-/// First of the constant errors of the anchors, m.
+/// First of the constant errors of the links, m.
 const CONSTANT: usize = 9;
 /// First of those that pass, m.
 const PASSING: usize = 9 + SLOTS;
@@ -32,11 +32,13 @@ const NEAREST_M: f64 = 0.05;
 type Vector = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
 
-/// An anchor whose errors are estimated.
+/// A link whose errors are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Slot {
-    /// Which, in the list of the site.
-    pub anchor: usize,
+struct Slot {
+    /// Which anchor, in the list of the site.
+    anchor: usize,
+    /// Which of the tags of a carrier.
+    tag: usize,
     height_m: f64,
     heard: Time,
 }
@@ -157,14 +159,14 @@ impl State {
         OffsetFound { offset_m: self.x[COMMON], sigma_m: root(self.p[(COMMON, COMMON)]) }
     }
 
-    /// Constant offsets of the anchors in the slots, with the common one.
-    pub fn offsets(&self) -> impl Iterator<Item = (usize, OffsetFound)> {
+    /// Constant offsets of the links in the slots, with the common one: anchor, tag, offset.
+    pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, OffsetFound)> {
         self.slots.iter().enumerate().filter_map(|(slot, held)| {
-            let (anchor, index) = (held.as_ref()?.anchor, CONSTANT + slot);
+            let (held, index) = (held.as_ref()?, CONSTANT + slot);
             let variance =
                 self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
             let offset_m = self.x[COMMON] + self.x[index];
-            Some((anchor, OffsetFound { offset_m, sigma_m: root(variance) }))
+            Some((held.anchor, held.tag, OffsetFound { offset_m, sigma_m: root(variance) }))
         })
     }
 
@@ -275,10 +277,11 @@ impl State {
         }
     }
 
-    /// The slot of an anchor, which gets one where it has none.
-    fn slot(&mut self, link: &Link, errors: &ErrorParams) -> (usize, bool) {
-        let known = self.slots.iter().position(|held| held.is_some_and(|held| held.anchor == link.anchor));
-        let fresh = Slot { anchor: link.anchor, height_m: link.ranged.position_m.z, heard: link.time };
+    /// The slot of a link, which gets one where it has none, and whether that is new.
+    fn slot(&mut self, link: &Link, tag: usize, errors: &ErrorParams) -> (usize, bool) {
+        let same = |held: Slot| (held.anchor, held.tag) == (link.anchor, tag);
+        let known = self.slots.iter().position(|held| held.is_some_and(same));
+        let fresh = Slot { anchor: link.anchor, tag, height_m: link.ranged.position_m.z, heard: link.time };
         if let Some(slot) = known {
             self.slots[slot] = Some(fresh);
             return (slot, false);
@@ -299,8 +302,8 @@ impl State {
     ///
     /// `r = ‖p − v a − p_i‖ + ½ tr(M P_pp) + b + c_i + n_i`, of a range that is a seconds older than the state; `M = (I − u uᵀ)/d`, the
     /// curvature of the sphere, whose second moment `½ tr(M P_pp M P_pp)` is noise (Athans, Wishner & Bertolini 1968; Jazwinski 1970, §9.3).
-    pub fn compare(&mut self, link: &Link, params: &FilterParams) -> Innovation {
-        let (slot, fresh) = self.slot(link, &params.errors);
+    pub fn compare(&mut self, link: &Link, tag: usize, params: &FilterParams) -> Innovation {
+        let (slot, fresh) = self.slot(link, tag, &params.errors);
         let age = (self.time - link.time).seconds().max(0.0);
         let model = &link.ranged.model;
         let place = self.place_m() - self.velocity_m_s() * age;

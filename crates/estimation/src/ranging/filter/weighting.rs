@@ -25,39 +25,59 @@
 //! with the innovations' statistic of Yang & Gao 2006): `P ← P/α, α = min(1, (c/Δ))²`, `Δ² = Σ e²/m` over the last m.
 
 use super::state::SLOTS;
+use crate::settings::{first_unusable, positive};
 use serde::{Deserialize, Serialize};
 
 /// How much each range counts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "kind", deny_unknown_fields)]
-pub enum Weighting {
+#[serde(default, deny_unknown_fields)]
+pub struct Weighting {
+    /// By which rule.
+    pub kind: WeightingKind,
+    /// Huber's k and k₀ of IGG-III: standard deviations up to which a range counts in full.
+    pub full: f64,
+    /// k₁ of IGG-III: standard deviations from which it does not count.
+    pub none: f64,
+    /// Adaptive, b: share of the variance that is kept from one range of an anchor to the next.
+    pub memory: f64,
+    /// Adaptive, m: innovations over which the prediction is judged.
+    pub window: u32,
+    /// Adaptive, c: root of their mean square from which on the prediction is believed less.
+    pub bound: f64,
+    /// Adaptive: least variance of the ranges, as a share of what is told of them.
+    pub least_share: f64,
+    /// Adaptive: largest variance.
+    pub most_share: f64,
+}
+
+/// Rules of weighting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WeightingKind {
     /// All that the gate lets in count alike.
     Equal,
     /// Less the farther off.
-    Huber {
-        /// Standard deviations up to which a range counts in full.
-        bound: f64,
-    },
+    Huber,
     /// Less the farther off, and not at all in the end.
-    Igg3 {
-        /// k₀: standard deviations up to which a range counts in full.
-        full: f64,
-        /// k₁: standard deviations from which it does not count.
-        none: f64,
-    },
+    #[default]
+    Igg3,
     /// All count alike, by variances that follow the innovations.
-    Adaptive {
-        /// b: share of the variance that is kept from one range of an anchor to the next.
-        memory: f64,
-        /// m: innovations over which the prediction is judged.
-        window: u32,
-        /// c: root of their mean square from which on the prediction is believed less.
-        bound: f64,
-        /// Least variance of the ranges, as a share of what is told of them.
-        least_share: f64,
-        /// Largest variance.
-        most_share: f64,
-    },
+    Adaptive,
+}
+
+impl Default for Weighting {
+    fn default() -> Self {
+        Self {
+            kind: WeightingKind::Igg3,
+            full: 1.0,
+            none: 5.0,
+            memory: 0.95,
+            window: 16,
+            bound: 1.5,
+            least_share: 0.5,
+            most_share: 100.0,
+        }
+    }
 }
 
 /// What an adaptive weighting has learnt.
@@ -70,19 +90,36 @@ pub(super) struct Adaptation {
 }
 
 impl Weighting {
+    /// The first setting that cannot be worked with, by name.
+    pub(super) fn unusable(&self) -> Option<&'static str> {
+        first_unusable(&[
+            ("weighting.full", positive(self.full)),
+            ("weighting.none", positive(self.none) && self.none > self.full),
+            ("weighting.memory", (0.0..1.0).contains(&self.memory)),
+            ("weighting.window", (1..=1000).contains(&self.window)),
+            ("weighting.bound", positive(self.bound)),
+            ("weighting.least_share", positive(self.least_share) && self.least_share <= 1.0),
+            ("weighting.most_share", self.most_share.is_finite() && self.most_share >= 1.0),
+        ])
+    }
+
     /// w(e); 0 leaves the range out.
     pub fn weight(&self, e: f64) -> f64 {
-        let e = e.abs();
-        match *self {
-            Self::Equal | Self::Adaptive { .. } => 1.0,
-            Self::Huber { bound } => (bound / e).min(1.0),
-            Self::Igg3 { full, .. } if e <= full => 1.0,
-            Self::Igg3 { none, .. } if e >= none => 0.0,
-            Self::Igg3 { full, none } => {
+        let (e, full, none) = (e.abs(), self.full, self.none);
+        match self.kind {
+            WeightingKind::Equal | WeightingKind::Adaptive => 1.0,
+            WeightingKind::Huber | WeightingKind::Igg3 if e <= full => 1.0,
+            WeightingKind::Huber => full / e,
+            WeightingKind::Igg3 if e >= none => 0.0,
+            WeightingKind::Igg3 => {
                 let fall = (none - e) / (none - full);
                 full / e * fall * fall
             }
         }
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.kind == WeightingKind::Adaptive
     }
 }
 
@@ -102,7 +139,10 @@ impl Adaptation {
 
     /// Takes what a range of a slot showed of its variance, over what is told of it.
     pub fn learn(&mut self, slot: usize, shown: f64, weighting: &Weighting) {
-        let Weighting::Adaptive { memory, least_share, most_share, .. } = *weighting else { return };
+        let Weighting { memory, least_share, most_share, .. } = *weighting;
+        if !weighting.is_adaptive() {
+            return;
+        }
         let (share, count) = self.shares[slot];
         let share = if count == 0 { 1.0 } else { share };
         let count = count.saturating_add(1);
@@ -113,7 +153,10 @@ impl Adaptation {
 
     /// Takes e²; 1/α where a window of them is too large all together.
     pub fn judge(&mut self, squared: f64, weighting: &Weighting) -> Option<f64> {
-        let Weighting::Adaptive { window, bound, .. } = *weighting else { return None };
+        let Weighting { window, bound, .. } = *weighting;
+        if !weighting.is_adaptive() {
+            return None;
+        }
         self.recent.0 += squared;
         self.recent.1 += 1;
         if self.recent.1 < window {
