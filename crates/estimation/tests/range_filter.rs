@@ -91,13 +91,19 @@ fn the_filter_agrees_with_numpy_and_scipy() {
         let taken = filter.observe(&link(&LAB, anchor, values[1], values[3], 0.1), 0).unwrap();
         // Printed to 12 digits; the curvature there is a difference over 0.1 mm, good to eight digits.
         let near = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (1.0 + expected.abs());
-        assert!(near(taken.innovation_m, values[4]) && near(taken.variance_m2, values[5]), "{line}: {taken:?}");
+        assert!(
+            near(taken.innovation_m, values[4]) && near(taken.variance_m2, values[5]),
+            "{line}: {taken:?}"
+        );
         assert!(near(taken.weight, values[6]), "{line}: {taken:?}");
         let found = filter.solution().unwrap();
         assert!((found.position_m - Vector3::new(values[7], values[8], values[9])).norm() < 1e-7, "{line}");
         let [xx, xy, xz, yy, yz, zz] = values[10..16] else { unreachable!() };
         let expected = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        assert!((found.position_covariance() - expected).norm() < 1e-7 * expected.norm(), "{line}: {found:?}");
+        assert!(
+            (found.position_covariance() - expected).norm() < 1e-7 * expected.norm(),
+            "{line}: {found:?}"
+        );
         let common = filter.common_offset().unwrap();
         assert!(near(common.offset_m, values[16]) && near(common.sigma_m, values[17]), "{line}: {common:?}");
     }
@@ -114,17 +120,21 @@ fn offsets_are_found_with_the_place() {
     let params = FilterParams { height: at_height(1.1, 0.05), ..FilterParams::default() };
     let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(1));
     let offsets = [0.45, 0.38, 0.42, 0.35];
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut squares): (f64, f64) = (0.0, 0.0);
     for tick in 0..4800_u32 {
         let (time_s, anchor) = (0.025 * f64::from(tick), (tick % 4) as usize);
         let distance = (round(time_s) - place(LAB[anchor])).norm();
         filter.observe(&link(&LAB, anchor, time_s, distance + offsets[anchor] + noise.draw(0.05), 0.08), 0);
         if time_s > 60.0 {
-            worst = worst.max((filter.solution().unwrap().position_m - round(time_s)).xy().norm());
+            let found = filter.solution().unwrap();
+            let (off, told) =
+                ((found.position_m - round(time_s)).xy(), found.covariance.fixed_view::<2, 2>(0, 0));
+            squares += off.norm_squared();
+            worst = worst.max(off.dot(&told.cholesky().unwrap().solve(&off)));
         }
     }
-    // Noise of 5 cm taken for 8 cm, four ranges in 0.1 s, a second of memory.
-    assert!(worst < 0.15, "{worst}");
+    // χ² with two degrees of freedom: 99.99 % are below 18.4; noise of 5 cm is taken for 4 cm and for 7 cm that passes.
+    assert!(worst < 18.4 && (squares / 2400.0).sqrt() < 0.08, "{worst} {squares}");
     let found: Vec<_> = filter.offsets().collect();
     assert_eq!(found.len(), 4);
     for (anchor, _, found) in found {
@@ -144,7 +154,11 @@ fn the_covariance_is_honest() {
     for seed in 0..u64::from(SEEDS) {
         let mut draw = Normal::new(seed);
         let mut at = Vector3::new(12.0, 8.0, 1.1 + draw.draw(0.3));
-        let mut velocity = Vector3::new(draw.draw(motion.speed_m_s), draw.draw(motion.speed_m_s), draw.draw(height.climb_m_s));
+        let mut velocity = Vector3::new(
+            draw.draw(motion.speed_m_s),
+            draw.draw(motion.speed_m_s),
+            draw.draw(height.climb_m_s),
+        );
         let common = draw.draw(errors.common_offset_sigma_m);
         let constant = [0; 4].map(|_| draw.draw(errors.anchor_offset_sigma_m));
         let mut passing = [0; 4].map(|_| draw.draw(errors.passing_sigma_m));
@@ -280,39 +294,37 @@ fn who_was_carried_away_unheard_is_found_again() {
     }
 }
 
-/// Anchors on a vehicle, nearly in a row: both sides of it fit a first window alike.
+/// Anchors on a vehicle, three of them in a plane; the fourth tells the side by 0.3 m, and somebody stands before it for the first 3 s, which makes it tell the other one.
 #[test]
 fn the_right_side_of_a_vehicle_is_found_by_walking() {
-    let vehicle = [[0.0, 0.0, 1.9], [4.0, 0.05, 1.9], [2.0, 0.1, 0.6], [3.0, -0.1, 1.2]];
+    let vehicle = [[2.6, 0.9, 2.0], [2.6, -0.9, 2.0], [2.6, -0.9, 0.5], [2.3, 0.9, 0.5]];
     let params = FilterParams { height: at_height(1.0, 0.2), ..FilterParams::default() };
-    let (mut settled, mut other_sides, mut ambiguous) = (0, 0, 0);
+    let (mut other_sides, mut ambiguous) = (0, 0);
     for seed in 0..20_u64 {
         let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(seed));
-        let truth = |time_s: f64| {
-            let angle = -1.5 + 0.05 * time_s;
-            Vector3::new(2.0 + 6.0 * angle.cos(), 6.0 * angle.sin(), 1.0)
-        };
+        let truth =
+            |time_s: f64| Vector3::new(-3.4 + 2.0 * (0.2 * time_s).sin(), 5.0 * (0.1 * time_s).cos(), 1.0);
         let mut doubt_m: f64 = 0.0;
         for tick in 0..4800_u32 {
             let (time_s, anchor) = (0.025 * f64::from(tick), (tick % 4) as usize);
             let distance = (truth(time_s) - place(vehicle[anchor])).norm();
-            filter.observe(&link(&vehicle, anchor, time_s, distance + noise.draw(0.05), 0.08), 0);
+            let behind = if anchor == 3 && time_s < 3.0 { 0.5 } else { 0.0 };
+            filter.observe(&link(&vehicle, anchor, time_s, distance + behind + noise.draw(0.05), 0.08), 0);
             if let Some(first) = filter.solution().filter(|_| time_s < 2.0) {
-                doubt_m = doubt_m.max(first.covariance[(1, 1)].sqrt());
+                doubt_m = doubt_m.max(first.covariance[(0, 0)].sqrt());
             }
         }
         let off = filter.solution().unwrap().position_m - truth(119.975);
-        settled += u32::from(off.xy().norm() < 1.0);
+        // The mirror image is 12 m away.
+        assert!(off.xy().norm() < 1.5, "{seed}: {off} {:?}", filter.report());
         other_sides += filter.report().other_sides;
         if filter.report().ambiguous_starts > 0 {
             ambiguous += 1;
-            // The other side is 12 m away, and about as likely.
             assert!(doubt_m > 2.0, "{seed}: {doubt_m}");
         }
     }
-    assert_eq!(settled, 20);
-    // Without a second place to follow, some would have stayed where they began.
-    assert!(other_sides > 0 && ambiguous > 10, "{other_sides} {ambiguous}");
+    // Without a second place to follow, most would have stayed where they began.
+    assert!(other_sides > 10 && ambiguous > 15, "{other_sides} {ambiguous}");
 }
 
 #[test]
@@ -358,7 +370,16 @@ fn dead_reckoning_carries_the_place_and_ranges_turn_it_right() {
 /// By hand: one step of 2 m east by a path that is turned by 90° and a tenth too short goes 2.2 m north.
 #[test]
 fn a_step_is_turned_and_stretched() {
-    let params = FilterParams { reckoning: ReckoningParams { heading_sigma_deg: 0.0, scale_sigma: 0.0, way_share: 0.0, standing_m_sqrt_s: 0.0, heading_walk_deg_sqrt_s: 0.0 }, ..FilterParams::default() };
+    let params = FilterParams {
+        reckoning: ReckoningParams {
+            heading_sigma_deg: 0.0,
+            scale_sigma: 0.0,
+            way_share: 0.0,
+            standing_m_sqrt_s: 0.0,
+            heading_walk_deg_sqrt_s: 0.0,
+        },
+        ..FilterParams::default()
+    };
     let mut filter = filter(params, WeightingKind::Equal);
     filter.start_at(seconds(0.0), Vector3::new(1.0, 2.0, 3.0), &Matrix3::identity());
     filter.propagate_by(&Vector2::new(2.0, 0.0), seconds(0.5));
@@ -431,10 +452,16 @@ fn a_run_in_two_halves_is_the_whole_run() {
     for kind in [WeightingKind::Igg3, WeightingKind::Adaptive] {
         let mut whole = filter(params, kind);
         let mut first = filter(params, kind);
-        ranges.iter().for_each(|one| drop(whole.observe(one, 0)));
-        ranges[..133].iter().for_each(|one| drop(first.observe(one, 0)));
+        ranges.iter().for_each(|one| {
+            whole.observe(one, 0);
+        });
+        ranges[..133].iter().for_each(|one| {
+            first.observe(one, 0);
+        });
         let mut second: RangeFilter = serde_json::from_str(&serde_json::to_string(&first).unwrap()).unwrap();
-        ranges[133..].iter().for_each(|one| drop(second.observe(one, 0)));
+        ranges[133..].iter().for_each(|one| {
+            second.observe(one, 0);
+        });
         assert_eq!(whole, second);
     }
 }

@@ -29,6 +29,18 @@ const PASSING: usize = 9 + SLOTS;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
+/// Normalised distance squared in place and velocity below which two estimates are one: χ² with six degrees of freedom, 1 %.
+const SAME: f64 = 0.87;
+/// An estimate that is surer than this, m, is not parted.
+const LEAST_PARTED_M: f64 = 0.4;
+/// β: how far both go, in standard deviations; what is left of the variance is 1 − β².
+const PARTED: f64 = 0.9;
+/// Anchors that are spread by less than this share of the uncertainty across them are a mirror.
+const FLAT: f64 = 0.5;
+
+/// Fewer anchors leave more than two places.
+const LEAST_MIRROR: f64 = 3.0;
+
 type Vector = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
 
@@ -37,9 +49,9 @@ type Covariance = SMatrix<f64, STATES, STATES>;
 struct Slot {
     /// Which anchor, in the list of the site.
     anchor: usize,
+    position_m: Vector3<f64>,
     /// Which of the tags of a carrier.
     tag: usize,
-    height_m: f64,
     heard: Time,
 }
 
@@ -118,7 +130,7 @@ impl State {
         self.p.column_mut(index).fill(0.0);
     }
 
-    /// Elsewhere, but with the same radio: offsets stay.
+    /// Elsewhere, by a fit.
     pub fn moved_to(&mut self, place_m: &Vector3<f64>, place_m2: &Matrix3<f64>, params: &FilterParams) {
         self.x.fixed_rows_mut::<3>(0).copy_from(place_m);
         (0..3).for_each(|axis| self.forget(axis));
@@ -163,8 +175,7 @@ impl State {
     pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, OffsetFound)> {
         self.slots.iter().enumerate().filter_map(|(slot, held)| {
             let (held, index) = (held.as_ref()?, CONSTANT + slot);
-            let variance =
-                self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
+            let variance = self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
             let offset_m = self.x[COMMON] + self.x[index];
             Some((held.anchor, held.tag, OffsetFound { offset_m, sigma_m: root(variance) }))
         })
@@ -174,7 +185,7 @@ impl State {
     fn hung_m(&self) -> Option<f64> {
         let held = || self.slots.iter().flatten();
         let count = held().count();
-        (count > 0).then(|| held().map(|slot| slot.height_m).sum::<f64>() / count as f64)
+        (count > 0).then(|| held().map(|slot| slot.position_m.z).sum::<f64>() / count as f64)
     }
 
     /// To a later time, by what is known of how people move; an earlier one changes nothing.
@@ -281,7 +292,8 @@ impl State {
     fn slot(&mut self, link: &Link, tag: usize, errors: &ErrorParams) -> (usize, bool) {
         let same = |held: Slot| (held.anchor, held.tag) == (link.anchor, tag);
         let known = self.slots.iter().position(|held| held.is_some_and(same));
-        let fresh = Slot { anchor: link.anchor, tag, height_m: link.ranged.position_m.z, heard: link.time };
+        let position_m = link.ranged.position_m;
+        let fresh = Slot { anchor: link.anchor, position_m, tag, heard: link.time };
         if let Some(slot) = known {
             self.slots[slot] = Some(fresh);
             return (slot, false);
@@ -333,7 +345,8 @@ impl State {
         }
         let own = model.sigma_m / model.scale;
         // Part of what a device says of its ranges passes slowly, and is a state.
-        let white = (own * own - square(params.errors.passing_sigma_m)).max(square(params.errors.least_sigma_m));
+        let white =
+            (own * own - square(params.errors.passing_sigma_m)).max(square(params.errors.least_sigma_m));
         Innovation {
             value_m: measured - predicted,
             predicted_m2: seen.max(0.0),
@@ -356,6 +369,62 @@ impl State {
                 self.p[(column, row)] = value;
             }
         }
+    }
+
+    /// Whether it is the same estimate as another, in place and velocity.
+    pub fn is_as(&self, other: &Self) -> bool {
+        let away = (self.x - other.x).fixed_rows::<6>(0).into_owned();
+        let both = self.motion_covariance() + other.motion_covariance();
+        both.cholesky().is_some_and(|root| away.dot(&root.solve(&away)) < SAME)
+    }
+
+    /// Where the estimate lies across the plane, wall or row of its anchors, it goes to one side of it; the estimate on the other side.
+    ///
+    /// `x ± β P n/σ`, `P ← P − β² P n nᵀ P/σ²`, `σ² = nᵀ P n`: the two have together the mean and the covariance of the one.
+    pub fn part(&mut self) -> Option<Self> {
+        if self.p[(0, 0)] + self.p[(1, 1)] + self.p[(2, 2)] < LEAST_PARTED_M * LEAST_PARTED_M {
+            return None;
+        }
+        let (normal, middle) = self.mirror()?;
+        let mut along = Vector::zeros();
+        for axis in 0..3 {
+            along += self.p.column(axis) * normal[axis];
+        }
+        let variance = (0..3).map(|axis| along[axis] * normal[axis]).sum::<f64>();
+        let sigma = root(variance);
+        let off = normal.dot(&(self.place_m() - middle));
+        if sigma < LEAST_PARTED_M || off.abs() > sigma {
+            return None;
+        }
+        let step = along * (PARTED / sigma);
+        self.p -= step * step.transpose();
+        let mut image = self.clone();
+        // Down first: anchors hang above people.
+        let down = if step[2] > 0.0 { -step } else { step };
+        self.x += down;
+        image.x -= down;
+        Some(image)
+    }
+
+    /// Normal of the plane, wall or row in which the anchors of the slots lie nearly, as seen from the estimate, and their middle.
+    fn mirror(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let held = || self.slots.iter().flatten();
+        let count = held().count() as f64;
+        if count < LEAST_MIRROR {
+            return None;
+        }
+        let middle = held().map(|slot| slot.position_m).sum::<Vector3<f64>>() / count;
+        let mut scatter = Matrix3::zeros();
+        for slot in held() {
+            let off = slot.position_m - middle;
+            scatter += off * off.transpose() / count;
+        }
+        // The mirror is told by the uncertainty: the direction in which the place is most uncertain, and the anchors are hardly spread.
+        let spread = self.place_covariance_m2();
+        let eigen = spread.symmetric_eigen();
+        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
+        let thickness = root(normal.dot(&(scatter * normal)));
+        (thickness < FLAT * root(eigen.eigenvalues.max())).then_some((normal, middle))
     }
 
     /// The place may be off by this, standard deviation, m, and the velocity is open.
