@@ -12,7 +12,7 @@
 //!
 //! Weightings and gates are settings of the same filter: [`weighting`], [`gate`]. The start: several robust fits in a row that agree.
 //! Mirror images are both followed until one explains the ranges better than the other by a margin; until then the covariance holds both. So are both sides of the plane, wall or
-//! row of the anchors when the estimate comes to lie across it: a normal distribution over both is parted into two with the same moments (DeMars, Bishop & Jah 2013).
+//! row of the anchors when the estimate comes to lie across it: a normal distribution over both is parted into two with the same moments (`DeMars`, Bishop & Jah 2013).
 //!
 //! Frame: that of the anchors, z up. Units: m, s, m/s.
 //! Limits: offsets can only be told from a place that is off where the tag walks about among the anchors; anchors in one plane leave the sign of the height
@@ -49,6 +49,8 @@ const HELD_S: f64 = 2.0;
 const DOF: f64 = 4.0;
 /// Two places are compared for so long at least, s: errors that pass must not decide.
 const LEAST_UNDECIDED_S: f64 = 10.0;
+/// Only after this does an estimate lie across a mirror, s: anchors not yet heard may tell the sides apart.
+const FIRST_LOOK_S: f64 = 2.0;
 /// By so much the other place has to be more likely, difference of logarithms, to be believed: noise must not make the solution jump to and fro.
 const CHANGE_OF_MIND: f64 = 2.0;
 /// Largest factor by which a prediction is believed less at once.
@@ -84,8 +86,9 @@ pub struct RangeFilter {
     weighting: Weighting,
     starter: Starter,
     believed: Option<Hypothesis>,
-    /// Its mirror image, and since when it is followed.
+    /// Its mirror image.
     other: Option<Hypothesis>,
+    /// When that was begun with, or the only place was.
     parted: Time,
     /// Time of the last range that counted.
     held: Option<Time>,
@@ -163,6 +166,7 @@ impl RangeFilter {
     pub fn start_at(&mut self, time: Time, place_m: Vector3<f64>, covariance_m2: &Matrix3<f64>) {
         self.believed = Some(Hypothesis::new(State::at(time, place_m, covariance_m2, &self.params)));
         self.other = None;
+        self.parted = time;
         self.held = Some(time);
     }
 
@@ -271,7 +275,10 @@ impl RangeFilter {
             return;
         }
         let Some(believed) = &mut self.believed else { return };
-        if let Some(image) = believed.state.part() {
+        if (believed.state.time - self.parted).seconds() < FIRST_LOOK_S {
+            return;
+        }
+        if let Some(image) = believed.state.part(&self.params.errors) {
             self.parted = believed.state.time;
             self.other = Some(Hypothesis { state: image, ..believed.clone() });
             self.report.partings += 1;

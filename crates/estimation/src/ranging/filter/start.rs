@@ -126,7 +126,7 @@ impl Starter {
         let ranged = |one: &Heard| {
             let sigma_m = libm::sqrt(one.model.sigma_m * one.model.sigma_m + beside);
             let offset_m = one.model.offset_m + one.model.scale * common.offset_m;
-            let model = RangeModel { sigma_m, offset_m, ..one.model };
+            let model = RangeModel { offset_m, sigma_m, ..one.model };
             Ranged { position_m: one.position_m, model, range_m: one.range_m }
         };
         self.heard.iter().map(ranged).collect()

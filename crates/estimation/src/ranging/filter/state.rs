@@ -35,11 +35,8 @@ const SAME: f64 = 0.87;
 const LEAST_PARTED_M: f64 = 0.4;
 /// β: how far both go, in standard deviations; what is left of the variance is 1 − β².
 const PARTED: f64 = 0.9;
-/// Anchors that are spread by less than this share of the uncertainty across them are a mirror.
-const FLAT: f64 = 0.5;
-
-/// Fewer anchors leave more than two places.
-const LEAST_MIRROR: f64 = 3.0;
+/// Any three anchors lie in a plane: the next ones may tell the sides apart.
+const LEAST_MIRROR: f64 = 4.0;
 
 type Vector = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
@@ -380,23 +377,27 @@ impl State {
 
     /// Where the estimate lies across the plane, wall or row of its anchors, it goes to one side of it; the estimate on the other side.
     ///
-    /// `x ± β P n/σ`, `P ← P − β² P n nᵀ P/σ²`, `σ² = nᵀ P n`: the two have together the mean and the covariance of the one.
-    pub fn part(&mut self) -> Option<Self> {
-        if self.p[(0, 0)] + self.p[(1, 1)] + self.p[(2, 2)] < LEAST_PARTED_M * LEAST_PARTED_M {
+    /// `x ± β P n/σ`, `P ← P − β² P n nᵀ P/σ²`, `σ² = nᵀ P n`, n the direction in which the place is most uncertain: the two have together the mean and the covariance of
+    /// the one. Only where ranges to the anchors cannot tell the two apart.
+    pub fn part(&mut self, errors: &ErrorParams) -> Option<Self> {
+        if self.place_covariance_m2().trace() < LEAST_PARTED_M * LEAST_PARTED_M {
             return None;
         }
-        let (normal, middle) = self.mirror()?;
+        let eigen = self.place_covariance_m2().symmetric_eigen();
+        let at = eigen.eigenvalues.imax();
+        let (normal, sigma) = (eigen.eigenvectors.column(at).into_owned(), root(eigen.eigenvalues[at]));
+        if sigma < LEAST_PARTED_M {
+            return None;
+        }
         let mut along = Vector::zeros();
         for axis in 0..3 {
             along += self.p.column(axis) * normal[axis];
         }
-        let variance = (0..3).map(|axis| along[axis] * normal[axis]).sum::<f64>();
-        let sigma = root(variance);
-        let off = normal.dot(&(self.place_m() - middle));
-        if sigma < LEAST_PARTED_M || off.abs() > sigma {
+        let step = along * (PARTED / sigma);
+        let variance = square(errors.passing_sigma_m) + square(errors.anchor_offset_sigma_m);
+        if !self.looks_alike(&step.fixed_rows::<3>(0).into_owned(), variance) {
             return None;
         }
-        let step = along * (PARTED / sigma);
         self.p -= step * step.transpose();
         let mut image = self.clone();
         // Down first: anchors hang above people.
@@ -406,25 +407,18 @@ impl State {
         Some(image)
     }
 
-    /// Normal of the plane, wall or row in which the anchors of the slots lie nearly, as seen from the estimate, and their middle.
-    fn mirror(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    /// Whether the places a step to both sides of the estimate have the same ranges to the anchors, and others than the estimate has: by more than this variance, m².
+    fn looks_alike(&self, step_m: &Vector3<f64>, variance_m2: f64) -> bool {
+        let [here, between, there] = [1.0, 0.0, -1.0].map(|share| self.place_m() + step_m * share);
         let held = || self.slots.iter().flatten();
         let count = held().count() as f64;
-        if count < LEAST_MIRROR {
-            return None;
-        }
-        let middle = held().map(|slot| slot.position_m).sum::<Vector3<f64>>() / count;
-        let mut scatter = Matrix3::zeros();
+        let (mut apart, mut bent) = (0.0, 0.0);
         for slot in held() {
-            let off = slot.position_m - middle;
-            scatter += off * off.transpose() / count;
+            let [here, between, there] = [here, between, there].map(|place| (place - slot.position_m).norm());
+            apart += square(here - there) / count;
+            bent += (0.5 * (here + there) - between) / count;
         }
-        // The mirror is told by the uncertainty: the direction in which the place is most uncertain, and the anchors are hardly spread.
-        let spread = self.place_covariance_m2();
-        let eigen = spread.symmetric_eigen();
-        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
-        let thickness = root(normal.dot(&(scatter * normal)));
-        (thickness < FLAT * root(eigen.eigenvalues.max())).then_some((normal, middle))
+        count >= LEAST_MIRROR && apart < variance_m2 && bent * bent > variance_m2
     }
 
     /// The place may be off by this, standard deviation, m, and the velocity is open.
