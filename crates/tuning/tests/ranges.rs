@@ -13,8 +13,11 @@ fn plain(degree: usize) -> PolynomialParams {
 /// 100 m and k = 5, where normal equations of powers keep no digit.
 #[test]
 fn a_polynomial_of_degree_five_is_found_again() {
-    let truth =
-        RangePolynomial { coefficients: vec![-0.4, 1.02, -3e-4, 2e-6, 1e-8, -1e-10], learnt_m: [2.0, 100.0] };
+    let truth = RangePolynomial {
+        coefficients: vec![-0.4, 1.02, -3e-4, 2e-6, 1e-8, -1e-10],
+        learnt_m: [2.0, 100.0],
+        sigma_m: 0.1,
+    };
     let pairs: Vec<RangePair> = (0..200)
         .map(|i| {
             let measured_m = 2.0 + 98.0 * f64::from(i) / 199.0;
