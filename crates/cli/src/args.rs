@@ -246,6 +246,10 @@ pub struct TrackArgs {
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub radio: Vec<PathBuf>,
 
+    /// Judge whether ranges came straight from how their signals came in: flat (ships with adit), or a model of adit nlos train
+    #[arg(long, value_name = "flat|MODEL", value_hint = ValueHint::FilePath)]
+    pub nlos: Option<String>,
+
     /// Smooth over the whole log, forwards and backwards; holds it in memory
     #[arg(long)]
     pub smooth: bool,
@@ -266,7 +270,7 @@ pub struct TrackArgs {
 impl TrackArgs {
     /// What the method cannot do with the flags, or without them.
     fn contradiction(&self) -> Option<(ErrorKind, String)> {
-        let Self { method, smooth, lag, mine, radio, .. } = self;
+        let Self { method, smooth, lag, mine, radio, nlos, .. } = self;
         let name = method.name();
         let over = match () {
             () if *smooth && !method.has_whole_log() => Some("--smooth"),
@@ -275,6 +279,10 @@ impl TrackArgs {
         };
         if let Some(flag) = over {
             let what = format!("{name} has no smoother: {flag} cannot be used with it");
+            return Some((ErrorKind::ArgumentConflict, what));
+        }
+        if nlos.is_some() && method.radio() == RadioUse::Unused {
+            let what = format!("{name} makes no use of ranges: --nlos cannot be used with it");
             return Some((ErrorKind::ArgumentConflict, what));
         }
         radio_contradiction(*method, mine.as_deref(), radio)

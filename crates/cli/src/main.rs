@@ -8,6 +8,7 @@ mod config;
 mod failure;
 mod interrupt;
 mod journey;
+mod judged_ranges;
 mod log_stream;
 mod map;
 mod method;

@@ -106,3 +106,33 @@ fn what_cannot_be_tracked_is_told_in_a_line() {
         assert!(!folder.join("walk.tum").exists());
     }
 }
+
+#[test]
+fn ranges_that_tell_how_they_came_are_judged_on_their_way() {
+    let folder = laboratory();
+    let here = folder.path();
+    let head = "time_s,anchor_id,range_m,rx_power_dBm,first_path_power_dBm,preamble_count\n";
+    let mut log = String::from(head);
+    for epoch in 0..5 {
+        for (id, [east, north, up]) in ANCHORS {
+            let range = (4.0_f64 - east).hypot(3.0 - north).hypot(1.1 - up);
+            let told = if epoch == 4 { ",," } else { "-80,-83,300" };
+            writeln!(log, "0.{epoch},{id},{range:.3},{told}").unwrap();
+        }
+    }
+    fs::write(here.join("told.csv"), log).unwrap();
+    let flags = ["--mine", "anchors.csv", "--config", "height.toml", "--nlos", "flat"];
+    let Outcome { code, stderr, .. } = track(here, "told.csv", &flags);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let report: Value = serde_json::from_slice(&fs::read(here.join("walk.json")).unwrap()).unwrap();
+    assert_eq!(report["judged_ranges"], 16);
+    let Outcome { stderr, .. } = track(here, "ranges.csv", &flags);
+    assert!(stderr.contains("--nlos: no range of the log tells how its signal came in"), "{stderr}");
+    let missing = ["--mine", "anchors.csv", "--nlos", "no.safetensors"];
+    let Outcome { code, stderr, .. } = track(here, "told.csv", &missing);
+    let expected = "adit: no.safetensors: cannot read it, and the models that ship are flat";
+    assert!(code == 1 && stderr.starts_with(expected), "{stderr}");
+    let steps = ["track", "told.csv", "--method", "foot-ins", "--nlos", "flat", "-o", "x.tum"];
+    let Outcome { code, stderr, .. } = adit(here, &steps);
+    assert!(code == 2 && stderr.contains("foot-ins makes no use of ranges"), "{stderr}");
+}

@@ -55,6 +55,7 @@ fn heard(time: Time) -> [Observation; 4] {
             range_m: 3.0,
             sigma_m: None,
             line_of_sight: None,
+            in_the_way: None,
             radio: Radio::Uwb,
             reception: None,
         }),

@@ -6,10 +6,12 @@
 //! - [`features`]: what can be measured by hand; [`baseline`]: their normal scores and a linear discriminant for each of two questions ([`examples::Question`]).
 //! - [`network`]: convolutions and an LSTM over the response (system S4: Jia et al. 2024), added to the discriminant; learnt with candle (feature `train`), asked by a kernel of our own.
 //! - [`calibration`]: probabilities that hold; [`measures`]: how good they are; [`judging`], [`folds`]: on geometries held out, never on ranges drawn at random.
+//! - [`Annotator`]: ranges judged on their way into a method.
 //! - [`learning`]: all of it, from labelled ranges ([`adit_observation::csv_log::labelled`]) to a [`Model`] and its record.
 //!
 //! Limits: receivers in the terms of a DW1000; ranges of another device have other powers and noise, and want a model of their own.
 
+mod annotation;
 pub mod baseline;
 pub mod calibration;
 pub mod discriminant;
@@ -27,7 +29,9 @@ pub mod normal_scores;
 pub mod training;
 pub mod window;
 
+pub use annotation::Annotator;
 pub use error::NlosError;
 pub use model::{
-    DataRecord, HeldOutRecord, MOST_CLASSES, Model, NetworkRecord, Probabilities, Record, ScoreRecord,
+    DataRecord, HeldOutRecord, MOST_CLASSES, Model, NetworkRecord, Probabilities, Record, SHIPPED,
+    ScoreRecord,
 };

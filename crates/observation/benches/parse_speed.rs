@@ -65,6 +65,7 @@ fn ranges() -> Vec<Observation> {
                 range_m: (20_000.0 + 10_000.0 * phase.sin()).round() / 1e3,
                 sigma_m: Some(0.1),
                 line_of_sight: None,
+                in_the_way: None,
                 radio: Radio::Uwb,
                 reception: Some(Arc::new(reception)),
             })

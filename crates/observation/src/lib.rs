@@ -87,7 +87,7 @@ pub use imu::{AccelerationSample, ImuSample, ImuSpecification, MagneticSample};
 pub use log::{LogKind, LogReader, ReadOptions, open, open_with};
 pub use observation::{Observation, ObservationKind};
 pub use pressure::PressureSample;
-pub use radio::{ImpulseResponse, Radio, RangeSample, Reception, Sighting, SignalStrength};
+pub use radio::{ImpulseResponse, InTheWay, Radio, RangeSample, Reception, Sighting, SignalStrength};
 #[cfg(feature = "std")]
 pub use sensor_rows::SensorRows;
 #[cfg(feature = "std")]

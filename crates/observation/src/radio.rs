@@ -35,10 +35,26 @@ pub struct RangeSample {
     pub sigma_m: Option<f64>,
     /// Probability that the signal came straight, where something has judged it: 0 to 1.
     pub line_of_sight: Option<f64>,
+    /// Probability of each of [`InTheWay::ALL`], in that order, where something has judged what stands in the way; not written to files.
+    pub in_the_way: Option<[f32; InTheWay::COUNT]>,
     /// Of which kind of radio.
     pub radio: Radio,
     /// How the signal came in, where the device tells.
     pub reception: Option<Arc<Reception>>,
+}
+
+/// What stands between a tag and an anchor: the four environments of system S4, told apart by their obstacles (Jia et al. 2024, §1.5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InTheWay {
+    /// Nothing.
+    Nothing,
+    /// People, the wearer among them: the direct path bends round them, a little late.
+    People,
+    /// A machine, a vehicle, a low pillar or a closed door: the direct path comes over, round or through it, weak and late.
+    Machine,
+    /// Rock, or a pillar that no direct path comes round.
+    Rock,
 }
 
 /// Which radio.
@@ -166,6 +182,13 @@ fn first_outside<const N: usize>(
         let value = value?;
         (!possible.contains(&value)).then_some((name, value, expected))
     })
+}
+
+impl InTheWay {
+    /// How many there are.
+    pub const COUNT: usize = 4;
+    /// All of them, in order of [`RangeSample::in_the_way`].
+    pub const ALL: [Self; Self::COUNT] = [Self::Nothing, Self::People, Self::Machine, Self::Rock];
 }
 
 impl Radio {

@@ -90,6 +90,7 @@ fn range() -> impl Strategy<Value = RangeSample> {
             range_m,
             sigma_m,
             line_of_sight,
+            in_the_way: None,
             radio,
             reception: reception.map(Arc::new),
         },
@@ -302,6 +303,7 @@ fn what_a_later_version_adds_does_not_matter() {
         range_m: 7.5,
         sigma_m: None,
         line_of_sight: None,
+        in_the_way: None,
         radio: Radio::Unknown,
         reception: None,
     };
@@ -376,6 +378,7 @@ fn a_full_impulse_response_takes_four_bytes_a_tap() {
             range_m: 1.0,
             sigma_m: None,
             line_of_sight: None,
+            in_the_way: None,
             radio: Radio::Uwb,
             reception: reception.map(Arc::new),
         })

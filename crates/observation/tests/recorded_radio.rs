@@ -184,6 +184,7 @@ fn uwb_cir_responses_survive_mcap_in_little_more_than_varints_would_take() {
             range_m: 5.0,
             sigma_m: None,
             line_of_sight: None,
+            in_the_way: None,
             radio: Radio::Uwb,
             reception: Some(Arc::new(Reception { impulse_response, ..Reception::default() })),
         })

@@ -3,13 +3,16 @@
 use super::Scenario;
 use crate::args::OptimiserName;
 use crate::config;
+use crate::judged_ranges;
 use crate::method::MethodName;
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::compare::{GRID_S, Moments};
+use adit_nlos::Model;
 use adit_tuning::optimise::Method as Optimiser;
 use anyhow::Result;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::Spanned;
 
 /// The table as written.
@@ -49,6 +52,8 @@ struct RunEntry {
     tune: Option<OptimiserName>,
     /// Person whose log makes its fingerprints, from 1.
     survey: Option<Spanned<usize>>,
+    /// Model that judges its ranges: one that ships with adit, or a file beside the scenario.
+    nlos: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -104,13 +109,15 @@ pub struct Contender {
     pub tune: Option<Optimiser>,
     /// Person whose log makes its fingerprints, from 0.
     pub survey: Option<usize>,
+    /// Model that judges its ranges before they reach it.
+    pub nlos: Option<Arc<Model>>,
 }
 
 impl Contender {
     /// A method as it comes.
     pub fn plain(method: MethodName) -> Self {
         let (name, config) = (method.name().to_owned(), toml::Table::new());
-        Self { name, method, config, in_figures: true, tune: None, survey: None }
+        Self { name, method, config, in_figures: true, tune: None, survey: None, nlos: None }
     }
 }
 
@@ -153,7 +160,7 @@ impl Scenario {
     }
 
     fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey } = entry.get_ref();
+        let RunEntry { name, method, config, config_file, figures, tune, survey, nlos } = entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
             Some(file) => {
@@ -169,6 +176,7 @@ impl Scenario {
             in_figures: *figures,
             tune: tune.map(|name| name.0),
             survey: survey.as_ref().map(|person| self.number(person)).transpose()?,
+            nlos: nlos.as_deref().map(|name| judged_ranges::model(name, self.source.folder())).transpose()?,
         })
     }
 }

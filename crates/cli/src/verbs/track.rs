@@ -3,6 +3,7 @@
 use crate::args::TrackArgs;
 use crate::interrupt;
 use crate::journey::Journey;
+use crate::judged_ranges::{self, JudgedRanges};
 use crate::log_stream::LogStream;
 use crate::method::{self, MethodName, with_settings};
 use crate::output::{self, Staged, Target};
@@ -16,7 +17,7 @@ use adit_observation::solution_csv::SolutionWriter;
 use adit_observation::tum::TumWriter;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Observations between two looks at the clock, the bar and Ctrl-C.
@@ -47,6 +48,8 @@ pub struct TrackReport {
     smoothed: bool,
     lag_s: Option<f64>,
     inertial_samples: u64,
+    /// Ranges that `--nlos` judged, where it is given.
+    judged_ranges: Option<u64>,
     poses: u64,
     start_s: f64,
     duration_s: f64,
@@ -71,26 +74,47 @@ pub fn track(args: &TrackArgs) -> Result<TrackReport> {
 
 fn track_by<S: MethodSettings>(args: &TrackArgs) -> Result<TrackReport> {
     let clock = Instant::now();
-    let mut stream = LogStream::open(&args.logs)?;
+    let stream = LogStream::open(&args.logs)?;
     let mut settings: S = method::settings(stream.sidecar(), args.config.as_deref())?;
     if let Some(site) = radio_site::read(args.mine.as_deref(), &args.radio)? {
         settings = settings.at_site(&site);
     }
     tracing::debug!("settings: {settings:?}");
+    let model = args.nlos.as_deref().map(|name| judged_ranges::model(name, Path::new(""))).transpose()?;
+    let mut log = Log { stream, ranges: model.as_ref().map(JudgedRanges::by) };
     let mut outputs = Outputs::create(args)?;
     let run = if args.smooth {
-        smooth(&mut stream, settings, &mut outputs)?
+        smooth(&mut log, settings, &mut outputs)?
     } else {
-        filter(&mut stream, settings, args.lag, &mut outputs)?
+        filter(&mut log, settings, args.lag, &mut outputs)?
     };
     if outputs.journey.poses() == 0 {
-        bail!("{}: no inertial samples, expected some: {} needs them", stream.name(), S::NAME);
+        bail!("{}: no inertial samples, expected some: {} needs them", log.stream.name(), S::NAME);
     }
+    let Log { stream, ranges } = log;
     let journey = outputs.finish()?;
     let mut warnings = stream.warnings();
     warnings.extend(stream.sidecar().and_then(|sidecar| args.method.objection(sidecar)));
+    warnings.extend(ranges.as_ref().and_then(JudgedRanges::warning));
     warnings.extend(method::warnings(run.report.warnings()));
-    report::<S>(args, &run, &journey, warnings, clock.elapsed().as_secs_f64())
+    let judged_ranges = ranges.map(|ranges| ranges.judged());
+    report::<S>(args, &run, &journey, judged_ranges, warnings, clock.elapsed().as_secs_f64())
+}
+
+/// A log whose ranges are judged as they pass, where somebody asked for it.
+struct Log {
+    stream: LogStream,
+    ranges: Option<JudgedRanges>,
+}
+
+impl Log {
+    fn next(&mut self) -> Result<Option<Observation>> {
+        let mut next = self.stream.next()?;
+        if let (Some(observation), Some(ranges)) = (&mut next, &mut self.ranges) {
+            ranges.see(observation);
+        }
+        Ok(next)
+    }
 }
 
 /// What a pass over the log leaves behind.
@@ -101,20 +125,20 @@ struct Run<Report> {
 
 /// One observation at a time, in bounded memory.
 fn filter<S: MethodSettings>(
-    stream: &mut LogStream,
+    log: &mut Log,
     settings: S,
     lag_s: Option<f64>,
     outputs: &mut Outputs,
 ) -> Result<Run<S::Report>> {
-    let progress = Progress::new("tracking", Unit::Bytes, stream.bytes_total());
+    let progress = Progress::new("tracking", Unit::Bytes, log.stream.bytes_total());
     let mut method = match lag_s {
         None => settings.start()?,
         Some(lag_s) => settings.start_fixed_lag(lag_s)?,
     };
     let (mut inertial_samples, mut count) = (0, 0_u64);
-    while let Some(observation) = stream.next()? {
+    while let Some(observation) = log.next()? {
         inertial_samples += u64::from(is_inertial(&observation));
-        let place = || format!("{}: at {} s", stream.name(), observation.time());
+        let place = || format!("{}: at {} s", log.stream.name(), observation.time());
         let mut solution = method.observe(&observation).with_context(place)?;
         while let Some(due) = solution {
             outputs.push(&due)?;
@@ -123,10 +147,10 @@ fn filter<S: MethodSettings>(
         count += 1;
         if count.is_multiple_of(PULSE) {
             interrupt::check()?;
-            progress.at(stream.bytes_read());
+            progress.at(log.stream.bytes_read());
         }
     }
-    while let Some(solution) = method.finish_next().with_context(|| stream.name())? {
+    while let Some(solution) = method.finish_next().with_context(|| log.stream.name())? {
         outputs.push(&solution)?;
     }
     Ok(Run { inertial_samples, report: method.report().clone() })
@@ -138,30 +162,26 @@ fn is_inertial(observation: &Observation) -> bool {
 }
 
 /// The whole log at once.
-fn smooth<S: MethodSettings>(
-    stream: &mut LogStream,
-    settings: S,
-    outputs: &mut Outputs,
-) -> Result<Run<S::Report>> {
-    let mut log = Vec::new();
+fn smooth<S: MethodSettings>(log: &mut Log, settings: S, outputs: &mut Outputs) -> Result<Run<S::Report>> {
+    let mut observations = Vec::new();
     {
-        let progress = Progress::new("reading", Unit::Bytes, stream.bytes_total());
-        while let Some(observation) = stream.next()? {
-            log.push(observation);
-            if (log.len() as u64).is_multiple_of(PULSE) {
+        let progress = Progress::new("reading", Unit::Bytes, log.stream.bytes_total());
+        while let Some(observation) = log.next()? {
+            observations.push(observation);
+            if (observations.len() as u64).is_multiple_of(PULSE) {
                 interrupt::check()?;
-                progress.at(stream.bytes_read());
+                progress.at(log.stream.bytes_read());
             }
         }
     }
-    let progress = Progress::new("smoothing", Unit::Samples, Some(2 * log.len() as u64));
-    let solutions = settings.smooth(&log, &mut |done| progress.at(done as u64));
-    let (solutions, report) = solutions.with_context(|| stream.name())?;
+    let progress = Progress::new("smoothing", Unit::Samples, Some(2 * observations.len() as u64));
+    let solutions = settings.smooth(&observations, &mut |done| progress.at(done as u64));
+    let (solutions, report) = solutions.with_context(|| log.stream.name())?;
     interrupt::check()?;
     for solution in &solutions {
         outputs.push(solution)?;
     }
-    let inertial_samples = log.iter().filter(|o| is_inertial(o)).count() as u64;
+    let inertial_samples = observations.iter().filter(|o| is_inertial(o)).count() as u64;
     Ok(Run { inertial_samples, report })
 }
 
@@ -208,6 +228,7 @@ fn report<S: MethodSettings>(
     args: &TrackArgs,
     run: &Run<S::Report>,
     journey: &Journey,
+    judged_ranges: Option<u64>,
     warnings: Vec<String>,
     elapsed_s: f64,
 ) -> Result<TrackReport> {
@@ -221,6 +242,7 @@ fn report<S: MethodSettings>(
         smoothed: args.smooth,
         lag_s: args.lag,
         inertial_samples: run.inertial_samples,
+        judged_ranges,
         poses: journey.poses(),
         start_s: journey.times().map_or(0.0, |(first, _)| first.seconds()),
         duration_s: journey.duration_s(),
@@ -301,6 +323,7 @@ impl TrackReport {
             config: Some(config),
             mine: None,
             radio: Vec::new(),
+            nlos: None,
             smooth: false,
             lag: None,
             json: None,

@@ -122,25 +122,34 @@ impl Trial {
     pub fn run<R: MethodReport>(
         &self,
         method: &mut dyn Method<Report = R>,
-        mut take: impl FnMut(Solution),
+        take: impl FnMut(Solution),
     ) -> Result<(), MethodError> {
-        for observation in &self.observations {
-            let mut solution = method.observe(observation)?;
-            while let Some(now) = solution {
-                take(now);
-                solution = method.next_due()?;
-            }
-        }
-        while let Some(last) = method.finish_next()? {
-            take(last);
-        }
-        Ok(())
+        run(&self.observations, method, take)
     }
 
     /// The truth as a path.
     pub fn path(&self) -> Result<Trajectory> {
         Ok(Trajectory::new(self.truth.iter().map(|state| state.pose).collect())?)
     }
+}
+
+/// Observations through a method, which is left as it is at the end; each solution goes to `take`.
+pub fn run<R: MethodReport>(
+    observations: &[Observation],
+    method: &mut dyn Method<Report = R>,
+    mut take: impl FnMut(Solution),
+) -> Result<(), MethodError> {
+    for observation in observations {
+        let mut solution = method.observe(observation)?;
+        while let Some(now) = solution {
+            take(now);
+            solution = method.next_due()?;
+        }
+    }
+    while let Some(last) = method.finish_next()? {
+        take(last);
+    }
+    Ok(())
 }
 
 fn simulated(scenario: &Scenario, seed: u64, person: usize) -> Result<Trial> {

@@ -32,15 +32,22 @@ pub struct Model {
     pub network: Option<Network>,
 }
 
-/// The model that ships with adit.
+/// The models that ship with adit, by name, the default first.
 ///
-/// Learnt of the set uwb-cirs-2018 (Kolakowski, CC BY 4.0) and of rooms simulated by adit; its record tells the rest.
-const SHIPPED: &[u8] = include_bytes!("../../models/flat.safetensors");
+/// `flat`: LOS, NLOS and no direct path, learnt of the set uwb-cirs-2018 (Kolakowski, CC BY 4.0) and of rooms simulated by adit; its record tells the rest.
+pub const SHIPPED: [(&str, &[u8]); 1] = [("flat", include_bytes!("../../models/flat.safetensors"))];
 
 impl Model {
-    /// The model that ships with adit: three classes, DW1000, with or without impulse responses.
+    /// The default of those that ship with adit: three classes, DW1000, with or without impulse responses.
     pub fn shipped() -> Result<Self, NlosError> {
-        Self::from_bytes("the model that ships with adit", SHIPPED)
+        let [(name, bytes), ..] = SHIPPED;
+        Self::from_bytes(name, bytes)
+    }
+
+    /// One that ships with adit; `None` for a name that none has.
+    pub fn named(name: &str) -> Option<Result<Self, NlosError>> {
+        let (name, bytes) = SHIPPED.iter().find(|(known, _)| *known == name)?;
+        Some(Self::from_bytes(name, bytes))
     }
 
     /// Judges a reception; with the baseline where there is no network, or no impulse response for it.

@@ -100,7 +100,18 @@ impl RangeColumns {
         let mut push = |range: &Column, anchor, line_of_sight, reception| {
             let range_m = range.gain.apply(table.number(range.index, columns)?);
             let tag = tag.clone();
-            let range = RangeSample { time, anchor, tag, range_m, sigma_m, line_of_sight, radio, reception };
+            let in_the_way = None;
+            let range = RangeSample {
+                time,
+                anchor,
+                tag,
+                range_m,
+                sigma_m,
+                line_of_sight,
+                in_the_way,
+                radio,
+                reception,
+            };
             into.push_back(possible(Observation::Range(range), table)?);
             Ok(())
         };

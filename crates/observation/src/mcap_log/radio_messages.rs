@@ -70,6 +70,7 @@ impl Messages {
             range_m: number(message.range_m, "range_m")?,
             sigma_m: message.sigma_m,
             line_of_sight: message.line_of_sight,
+            in_the_way: None,
             radio: radio_from_message(message.radio()),
             reception: message.reception.as_ref().map(reception).transpose()?.map(Arc::new),
         })

@@ -1,9 +1,10 @@
 //! One method on one run.
 
 use crate::config;
+use crate::judged_ranges::JudgedRanges;
 use crate::method::{self, with_settings};
 use crate::scenario_file::Contender;
-use crate::verbs::trials::Trial;
+use crate::verbs::trials::{self, Trial};
 use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
 use adit_estimation::methods::{MethodError, MethodReport, MethodSettings, Nis};
@@ -68,14 +69,16 @@ fn drive<S: MethodSettings>(
     if let Some(radio) = site {
         settings = settings.at_site(radio);
     }
-    let samples = trial.observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
+    let judged = contender.nlos.as_ref().map(|model| JudgedRanges::of(model, &trial.observations));
+    let observations = judged.as_deref().unwrap_or(&trial.observations);
+    let samples = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
     if samples == 0 {
         bail!("no inertial samples, expected some");
     }
     let mut method = settings.start()?;
     let mut solutions = Vec::with_capacity(samples);
     let clock = Instant::now();
-    if let Err(error) = trial.run(method.as_mut(), |solution| solutions.push(solution)) {
+    if let Err(error) = trials::run(observations, method.as_mut(), |solution| solutions.push(solution)) {
         return Ok(Err(error));
     }
     let elapsed_ns = clock.elapsed().as_secs_f64() * 1e9;

@@ -235,6 +235,7 @@ impl Tag {
                 range_m,
                 sigma_m: None,
                 line_of_sight: None,
+                in_the_way: None,
                 radio: Radio::Uwb,
                 reception,
             },

@@ -1,0 +1,90 @@
+//! Ranges judged on their way into a method.
+//!
+//! What has a [`adit_observation::Reception`] gets its [`RangeSample::line_of_sight`]; what was there is written over. Other ranges stay as they are.
+
+use crate::model::Model;
+use crate::network::Scratch;
+use adit_observation::{Radio, RangeSample};
+use std::sync::Arc;
+
+/// Judges ranges, one after the other.
+#[derive(Debug, Clone)]
+pub struct Annotator {
+    model: Arc<Model>,
+    scratch: Scratch,
+}
+
+impl Annotator {
+    /// By this model.
+    pub fn new(model: Arc<Model>) -> Self {
+        Self { model, scratch: Scratch::default() }
+    }
+
+    /// Judges a range; `false` where nothing tells how its signal came in, or it is of another radio.
+    pub fn annotate(&mut self, range: &mut RangeSample) -> bool {
+        if !matches!(range.radio, Radio::Uwb | Radio::Unknown) {
+            return false;
+        }
+        let Some(reception) = range.reception.as_deref() else { return false };
+        let [straight, ..] = self.model.judge(reception, Some(range.range_m), &mut self.scratch);
+        range.line_of_sight = Some(f64::from(straight.clamp(0.0, 1.0)));
+        true
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+    use adit_core::time::Time;
+    use adit_observation::{DeviceId, Reception};
+
+    /// A range whose first path is so much below the whole signal, dB.
+    fn range(below: f32) -> RangeSample {
+        let reception = Reception {
+            rx_power_dbm: Some(-80.0),
+            first_path_power_dbm: Some(-80.0 - below),
+            preamble_count: Some(300),
+            ..Reception::default()
+        };
+        RangeSample {
+            time: Time::ZERO,
+            anchor: DeviceId::new("a1").unwrap(),
+            tag: None,
+            range_m: 4.0,
+            sigma_m: None,
+            line_of_sight: None,
+            in_the_way: None,
+            radio: Radio::Uwb,
+            reception: Some(Arc::new(reception)),
+        }
+    }
+
+    #[test]
+    fn a_range_gets_what_the_model_says_of_its_reception() {
+        let model = Arc::new(Model::shipped().unwrap());
+        let mut annotator = Annotator::new(Arc::clone(&model));
+        let mut told = |below: f32| {
+            let mut range = range(below);
+            assert!(annotator.annotate(&mut range));
+            let reception = range.reception.as_deref().unwrap();
+            let expected = model.judge(reception, Some(4.0), &mut Scratch::default())[0];
+            let found = range.line_of_sight.unwrap();
+            assert!((found - f64::from(expected)).abs() < 1e-6, "{found} {expected}");
+            found
+        };
+        assert!(told(2.0) > told(12.0));
+    }
+
+    #[test]
+    fn what_nothing_is_told_of_stays_as_it_was() {
+        let mut annotator = Annotator::new(Arc::new(Model::shipped().unwrap()));
+        let bare = RangeSample { reception: None, line_of_sight: Some(0.25), ..range(2.0) };
+        let wifi = RangeSample { radio: Radio::Wifi, ..range(2.0) };
+        for before in [bare, wifi] {
+            let mut after = before.clone();
+            assert!(!annotator.annotate(&mut after));
+            assert_eq!(after, before);
+        }
+    }
+}
