@@ -6,10 +6,12 @@ use crate::verbs::tune::{self, TuningTask};
 use adit_estimation::radio::nearest::Fingerprints;
 use adit_estimation::radio::{RadioSite, Reading, Surveyed};
 use adit_estimation::ranging::correction::RangeCorrection;
+use adit_observation::csv_log::labelled::LinkClass;
 use adit_observation::{DeviceId, Observation, Radio};
+use adit_simulation::radio::LinkClass as SimulatedClass;
 use adit_tuning::fingerprint::fingerprints;
-use adit_tuning::ranges::KnownRange;
 use adit_tuning::radio::{SurveyedScan, by_spot};
+use adit_tuning::ranges::KnownRange;
 use anyhow::{Context, Result};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -94,7 +96,11 @@ fn known_ranges(trial: &Trial) -> Vec<KnownRange> {
         group: ((range.time - first).seconds() / PLACE_S) as usize,
         range: range.clone(),
         true_m: truth.distance_m,
-        class: Some(truth.class.into()),
+        class: Some(match truth.class {
+            SimulatedClass::Los => LinkClass::Los,
+            SimulatedClass::Nlos => LinkClass::Nlos,
+            SimulatedClass::Ndp => LinkClass::Ndp,
+        }),
     });
     known.collect()
 }
