@@ -19,6 +19,7 @@ fn range(range_m: f64, line_of_sight: Option<f64>, rx_power_dbm: Option<f32>) ->
         range_m,
         sigma_m: None,
         line_of_sight,
+        in_the_way: None,
         radio: Radio::Uwb,
         reception: Some(Arc::new(reception)),
     }

@@ -60,11 +60,11 @@ pub(super) fn choose(rows: &Rows<'_>) -> (Offsets, Choice) {
         };
         folds.iter().flat_map(of_fold).collect::<Vec<f64>>()
     };
-    let tried = CANDIDATES.iter().enumerate().map(|(tier, (name, candidate))| Tried {
-        name: (*name).to_owned(),
-        tier,
-        errors_m: judge(*candidate),
-    });
+    let several = rows.rows.iter().any(|row| row.known.range.anchor != rows.rows[0].known.range.anchor);
+    let tried =
+        CANDIDATES.iter().take(if several { 3 } else { 2 }).enumerate().map(|(tier, (name, candidate))| {
+            Tried { name: (*name).to_owned(), tier, errors_m: judge(*candidate) }
+        });
     let choice = pick(tried.collect());
     let (_, candidate) = CANDIDATES[choice.index];
     (candidate(rows), choice)
