@@ -21,6 +21,7 @@
 pub mod correction;
 pub mod dilution;
 pub mod epochs;
+pub mod filter;
 pub mod fit;
 pub mod linear;
 pub mod listener;
