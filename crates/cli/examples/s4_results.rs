@@ -63,9 +63,17 @@ fn ranges(report: &Value) -> Result<String> {
     let percent = |at: &str| of(at).map(|share| format!("{:.1} %", 100.0 * share));
     let mut text = String::from("| ranges and their recognition | paper | adit |\n|---|---:|---:|\n");
     for (what, paper, adit) in [
-        ("error without line of sight, as measured", "1.37 m", format!("{:.2} m", of("/nlos_error_before_m")?)),
+        (
+            "error without line of sight, as measured",
+            "1.37 m",
+            format!("{:.2} m", of("/nlos_error_before_m")?),
+        ),
         ("– corrected", "0.78 m", format!("{:.2} m", of("/nlos_error_after_m")?)),
-        ("four classes: accuracy of one against the rest, mean", "95.3 %", percent("/recognition/each/accuracy")?),
+        (
+            "four classes: accuracy of one against the rest, mean",
+            "95.3 %",
+            percent("/recognition/each/accuracy")?,
+        ),
         ("– recall, mean", "91.9 %", percent("/recognition/balanced_accuracy")?),
         ("– F1, mean", "92.0 %", percent("/recognition/macro_f1")?),
         ("– right of all", "–", percent("/recognition/accuracy")?),

@@ -91,13 +91,19 @@ fn the_filter_agrees_with_numpy_and_scipy() {
         let taken = filter.observe(&link(&LAB, anchor, values[1], values[3], 0.1), 0).unwrap();
         // Printed to 12 digits; the curvature there is a difference over 0.1 mm, good to eight digits.
         let near = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (1.0 + expected.abs());
-        assert!(near(taken.innovation_m, values[4]) && near(taken.variance_m2, values[5]), "{line}: {taken:?}");
+        assert!(
+            near(taken.innovation_m, values[4]) && near(taken.variance_m2, values[5]),
+            "{line}: {taken:?}"
+        );
         assert!(near(taken.weight, values[6]), "{line}: {taken:?}");
         let found = filter.solution().unwrap();
         assert!((found.position_m - Vector3::new(values[7], values[8], values[9])).norm() < 1e-7, "{line}");
         let [xx, xy, xz, yy, yz, zz] = values[10..16] else { unreachable!() };
         let expected = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        assert!((found.position_covariance() - expected).norm() < 1e-7 * expected.norm(), "{line}: {found:?}");
+        assert!(
+            (found.position_covariance() - expected).norm() < 1e-7 * expected.norm(),
+            "{line}: {found:?}"
+        );
         let common = filter.common_offset().unwrap();
         assert!(near(common.offset_m, values[16]) && near(common.sigma_m, values[17]), "{line}: {common:?}");
     }
@@ -144,7 +150,11 @@ fn the_covariance_is_honest() {
     for seed in 0..u64::from(SEEDS) {
         let mut draw = Normal::new(seed);
         let mut at = Vector3::new(12.0, 8.0, 1.1 + draw.draw(0.3));
-        let mut velocity = Vector3::new(draw.draw(motion.speed_m_s), draw.draw(motion.speed_m_s), draw.draw(height.climb_m_s));
+        let mut velocity = Vector3::new(
+            draw.draw(motion.speed_m_s),
+            draw.draw(motion.speed_m_s),
+            draw.draw(height.climb_m_s),
+        );
         let common = draw.draw(errors.common_offset_sigma_m);
         let constant = [0; 4].map(|_| draw.draw(errors.anchor_offset_sigma_m));
         let mut passing = [0; 4].map(|_| draw.draw(errors.passing_sigma_m));
@@ -358,7 +368,16 @@ fn dead_reckoning_carries_the_place_and_ranges_turn_it_right() {
 /// By hand: one step of 2 m east by a path that is turned by 90° and a tenth too short goes 2.2 m north.
 #[test]
 fn a_step_is_turned_and_stretched() {
-    let params = FilterParams { reckoning: ReckoningParams { heading_sigma_deg: 0.0, scale_sigma: 0.0, way_share: 0.0, standing_m_sqrt_s: 0.0, heading_walk_deg_sqrt_s: 0.0 }, ..FilterParams::default() };
+    let params = FilterParams {
+        reckoning: ReckoningParams {
+            heading_sigma_deg: 0.0,
+            scale_sigma: 0.0,
+            way_share: 0.0,
+            standing_m_sqrt_s: 0.0,
+            heading_walk_deg_sqrt_s: 0.0,
+        },
+        ..FilterParams::default()
+    };
     let mut filter = filter(params, WeightingKind::Equal);
     filter.start_at(seconds(0.0), Vector3::new(1.0, 2.0, 3.0), &Matrix3::identity());
     filter.propagate_by(&Vector2::new(2.0, 0.0), seconds(0.5));

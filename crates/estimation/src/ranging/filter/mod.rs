@@ -26,9 +26,7 @@ mod state;
 pub mod weighting;
 
 pub use account::{FilterReport, FoundOffset};
-pub use params::{
-    ErrorParams, FilterParams, HeightParams, MotionParams, ReckoningParams, StartParams,
-};
+pub use params::{ErrorParams, FilterParams, HeightParams, MotionParams, ReckoningParams, StartParams};
 pub use state::{OffsetFound, SLOTS, STATES};
 
 use super::listener::Link;
@@ -236,7 +234,9 @@ impl RangeFilter {
 
     /// Where fits agree with each other and not with the filter, it goes there.
     fn recover(&mut self) {
-        let (Some(start), Some(believed)) = (self.starter.look(&self.params), &mut self.believed) else { return };
+        let (Some(start), Some(believed)) = (self.starter.look(&self.params), &mut self.believed) else {
+            return;
+        };
         let away = start.place_m - believed.state.place_m();
         let both = believed.state.place_covariance_m2() + start.covariance_m2;
         let far = both.cholesky().is_none_or(|root| away.dot(&root.solve(&away)) > FAR);

@@ -99,9 +99,13 @@ impl Starter {
     }
 
     fn fit(&self, params: &FilterParams) -> Option<RangingFix> {
-        let anchors =
-            self.heard.iter().enumerate().filter(|(at, one)| self.heard[..*at].iter().all(|other| other.anchor != one.anchor));
-        let (count, height) = anchors.fold((0_usize, 0.0), |(count, sum), (_, one)| (count + 1, sum + one.position_m.z));
+        let anchors = self
+            .heard
+            .iter()
+            .enumerate()
+            .filter(|(at, one)| self.heard[..*at].iter().all(|other| other.anchor != one.anchor));
+        let (count, height) =
+            anchors.fold((0_usize, 0.0), |(count, sum), (_, one)| (count + 1, sum + one.position_m.z));
         if count < params.start.least_anchors {
             return None;
         }

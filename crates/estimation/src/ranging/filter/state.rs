@@ -163,8 +163,7 @@ impl State {
     pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, OffsetFound)> {
         self.slots.iter().enumerate().filter_map(|(slot, held)| {
             let (held, index) = (held.as_ref()?, CONSTANT + slot);
-            let variance =
-                self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
+            let variance = self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
             let offset_m = self.x[COMMON] + self.x[index];
             Some((held.anchor, held.tag, OffsetFound { offset_m, sigma_m: root(variance) }))
         })
@@ -333,7 +332,8 @@ impl State {
         }
         let own = model.sigma_m / model.scale;
         // Part of what a device says of its ranges passes slowly, and is a state.
-        let white = (own * own - square(params.errors.passing_sigma_m)).max(square(params.errors.least_sigma_m));
+        let white =
+            (own * own - square(params.errors.passing_sigma_m)).max(square(params.errors.least_sigma_m));
         Innovation {
             value_m: measured - predicted,
             predicted_m2: seen.max(0.0),
