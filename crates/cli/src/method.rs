@@ -34,6 +34,8 @@ pub enum MethodName {
     PdrWifi,
     /// Positions by ranges alone, one epoch of them at a time; needs --mine
     UwbLs,
+    /// UWB ranges and steps of a tag at the waist, weighed by what is in the way, as system S4 joins them; needs --mine
+    UwbPdr,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -72,6 +74,10 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::UwbLs => {
                 type $settings = adit_estimation::methods::uwb_ls::UwbLsParams;
+                $body
+            }
+            $crate::method::MethodName::UwbPdr => {
+                type $settings = adit_estimation::methods::uwb_pdr::UwbPdrParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -117,7 +123,7 @@ impl MethodName {
     /// What a sidecar says that does not suit the method.
     pub fn objection(self, sidecar: &Sidecar) -> Option<String> {
         match (self, sidecar.mounting.location) {
-            (Self::Pdr | Self::PdrWifi, Some(Location::Foot)) => Some(format!(
+            (Self::Pdr | Self::PdrWifi | Self::UwbPdr, Some(Location::Foot)) => Some(format!(
                 "the sidecar puts the sensor on the foot, {} expects it above the knee",
                 self.name()
             )),
@@ -127,6 +133,7 @@ impl MethodName {
                 | Self::Wifi
                 | Self::PdrWifi
                 | Self::UwbLs
+                | Self::UwbPdr
                 | Self::Ahrs
                 | Self::ReducedInsWifi
                 | Self::FullInsWifi,

@@ -3,7 +3,7 @@
 use crate::config;
 use crate::progress;
 use adit_estimation::radio::RadioSite;
-use adit_estimation::radio::model::{FingerprintModel, ModelKind, PathLossModel, VERSION};
+use adit_estimation::radio::model::{FingerprintModel, ModelKind, PathLossModel, RangesModel, VERSION};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ fn with_model(site: RadioSite, path: &Path) -> Result<RadioSite> {
     let text = config::text(path)?;
     let json = text.trim_start().starts_with('{');
     let head: Head = if json { of_json(path, &text)? } else { config::parse(path, &text)? };
-    let expected = "a file of adit calibrate pathloss or fingerprint";
+    let expected = "a file of adit calibrate pathloss, fingerprint or range";
     let Some(kind) = head.kind else { bail!("{}: no \"kind\", expected {expected}", path.display()) };
     match head.version {
         Some(VERSION) => {}
@@ -56,6 +56,13 @@ fn with_model(site: RadioSite, path: &Path) -> Result<RadioSite> {
         ModelKind::PathLoss => {
             let model: PathLossModel = if json { of_json(path, &text)? } else { config::parse(path, &text)? };
             Ok(site.with_path_loss(&model))
+        }
+        ModelKind::Ranges => {
+            let model: RangesModel = if json { of_json(path, &text)? } else { config::parse(path, &text)? };
+            if let Some((name, expected)) = model.correction.fault() {
+                bail!("{}: {name}: expected {expected}", path.display());
+            }
+            Ok(site.with_ranges(model.correction))
         }
         ModelKind::Fingerprint => {
             let model: FingerprintModel =

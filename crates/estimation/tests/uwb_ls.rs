@@ -4,9 +4,11 @@
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::Solution;
 use adit_core::time::Time;
-use adit_estimation::methods::uwb_ls::{SolverKind, SolverParams, UwbLsParams, UwbLsReport};
+use adit_estimation::methods::uwb_ls::{UwbLsParams, UwbLsReport};
 use adit_estimation::methods::{MethodError, MethodSettings, MethodWarning};
 use adit_estimation::radio::{RadioSite, SiteAnchor};
+use adit_estimation::ranging::listener::RangesParams;
+use adit_estimation::ranging::solver::{SolverKind, SolverParams};
 use adit_observation::{DeviceId, ImuSample, Observation, Radio, RangeSample};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -67,14 +69,9 @@ fn walk(site: &RadioSite, seed: u64) -> Vec<RangeSample> {
 }
 
 fn params(site: &Arc<RadioSite>, kind: SolverKind, height_sigma_m: f64) -> UwbLsParams {
-    let solver = SolverParams {
-        kind,
-        height_m: Some(1.1),
-        height_sigma_m,
-        sigma_m: SIGMA_M,
-        ..SolverParams::default()
-    };
-    UwbLsParams { solver, ..UwbLsParams::default() }.at_site(site)
+    let solver = SolverParams { kind, height_m: Some(1.1), height_sigma_m, ..SolverParams::default() };
+    let ranges = RangesParams { sigma_m: SIGMA_M, ..RangesParams::default() };
+    UwbLsParams { ranges, solver, ..UwbLsParams::default() }.at_site(site)
 }
 
 fn run(
@@ -117,8 +114,8 @@ fn every_epoch_is_a_position_as_sure_as_it_says() {
     Arc::make_mut(&mut site).anchors[1].range_offset_m = 0.4;
     for kind in [SolverKind::Linear, SolverKind::Robust] {
         let (solutions, report) = run(params(&site, kind, 0.0), observations(walk(&site, 3))).unwrap();
-        assert_eq!((report.ranges, report.epochs, report.fixes), (1600, 400, 400), "{kind:?}");
-        assert_eq!((report.late_ranges, report.unknown_ranges, solutions.len()), (0, 0, 400));
+        assert_eq!((report.heard.ranges, report.heard.epochs, report.fixes), (1600, 400, 400), "{kind:?}");
+        assert_eq!((report.heard.late_ranges, report.heard.unknown_ranges, solutions.len()), (0, 0, 400));
         let errors = level_errors(&solutions);
         let expected = solutions.iter().map(|one| one.covariance[(0, 0)] + one.covariance[(1, 1)]);
         let expected = (expected.sum::<f64>() / f64::from(EPOCHS)).sqrt();
@@ -164,11 +161,14 @@ fn late_unknown_and_foreign_ranges_are_counted_and_left() {
     ranges.insert(24, wifi);
     let (solutions, report) =
         run(params(&site, SolverKind::Robust, 0.0), observations(ranges.clone())).unwrap();
-    assert_eq!((report.ranges, report.late_ranges, report.unknown_ranges), (1602, 1, 1));
+    assert_eq!((report.heard.ranges, report.heard.late_ranges, report.heard.unknown_ranges), (1602, 1, 1));
     assert_eq!(solutions.len(), 400);
     let warning = MethodWarning::UnknownAnchors { anchors: 1, ranges: 1, names: "a9".into() };
     assert_eq!(report.warnings, [warning]);
-    let none = UwbLsParams { tag: Some("t2".into()), ..params(&site, SolverKind::Robust, 0.0) };
+    let none = UwbLsParams {
+        ranges: RangesParams { tag: Some("t2".into()), ..RangesParams::default() },
+        ..params(&site, SolverKind::Robust, 0.0)
+    };
     let error = run(none, observations(ranges)).unwrap_err();
     assert!(matches!(error, MethodError::NoRangeFix { ranges: 0, .. }), "{error}");
 }
@@ -199,9 +199,9 @@ fn a_delay_of_the_radio_splits_no_epoch() {
 #[test]
 fn settings_and_sites_that_cannot_be_used_are_told() {
     let site = lab();
-    let bad = SolverParams { sigma_m: 0.0, ..SolverParams::default() };
+    let bad = SolverParams { dof: 0.0, ..SolverParams::default() };
     let error = UwbLsParams { solver: bad, ..UwbLsParams::default() }.at_site(&site).start().err().unwrap();
-    assert!(matches!(error, MethodError::Setting { name: "solver.sigma_m", .. }), "{error}");
+    assert!(matches!(error, MethodError::Setting { name: "solver.dof", .. }), "{error}");
     let error = UwbLsParams::default().start().err().unwrap();
     assert_eq!(error.to_string(), "uwb-ls needs the places of the anchors (--mine)");
 }

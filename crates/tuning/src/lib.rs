@@ -5,6 +5,7 @@
 //! | hard and soft iron, axes | [`magnetometer`] | a tumble in a constant field → offset, matrix, how sure |
 //! | white noise, bias instability, random walk | [`noise`] | a sensor at rest → Allan deviation, densities |
 //! | path loss of transmitters, offsets of ranges | [`radio`] | a survey → models, robust, pooled |
+//! | how ranges err | [`ranges`] | ranges with a known distance → offsets, polynomial |
 //! | radio map | [`fingerprint`] | a survey → mean, spread and chance of hearing at every place |
 //! | declination, dip, strength of the Earth's field | [`geomagnetic`] | place and day → World Magnetic Model |
 //!
@@ -20,6 +21,7 @@ pub mod magnetometer;
 pub mod noise;
 pub mod optimise;
 pub mod radio;
+pub mod ranges;
 mod robust;
 mod series;
 

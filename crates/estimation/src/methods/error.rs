@@ -142,6 +142,11 @@ pub enum MethodWarning {
         /// The first of them.
         names: String,
     },
+    /// Nothing had judged whether the signals of these ranges came straight.
+    Unjudged {
+        /// Epochs of ranges.
+        epochs: u64,
+    },
     /// A field that was refused proved right: the heading was off, and so is the path until then.
     HeadingOpened {
         /// When it was found out.
@@ -184,6 +189,9 @@ impl MethodWarning {
             ),
             Self::UnknownAnchors { anchors, ranges, names } => alloc::format!(
                 "{ranges} ranges to {anchors} unknown anchors ({names}) were left: the mine has none of that name"
+            ),
+            Self::Unjudged { epochs } => alloc::format!(
+                "nothing tells whether the ranges of {epochs} epochs came straight: all were believed (--nlos judges them)"
             ),
             Self::HeadingOpened { time, offset_deg } => alloc::format!(
                 "the heading was off by about {offset_deg:.0}° until {time} s, when the magnetic field proved right: the path before is turned"

@@ -24,6 +24,7 @@
 //! ```
 
 pub mod ahrs;
+pub mod alignment;
 mod error;
 mod foot_input;
 pub mod foot_ins;
@@ -34,6 +35,7 @@ pub mod pdr_wifi;
 mod somewhere;
 mod tunable;
 pub mod uwb_ls;
+pub mod uwb_pdr;
 pub mod wifi;
 
 pub use error::{MethodError, MethodWarning};

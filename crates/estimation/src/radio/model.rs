@@ -1,4 +1,4 @@
-//! What the calibration of a site's radio is kept in: the files of `adit calibrate pathloss` (TOML) and `fingerprint` (JSON).
+//! What the calibration of a site's radio is kept in: the files of `adit calibrate pathloss` and `range` (TOML) and `fingerprint` (JSON).
 //!
 //! Each says its `kind` and the `version` of its form, [`VERSION`]; others are refused where they are read.
 
@@ -6,6 +6,7 @@ use super::map::{Hearing, Storeys};
 use super::nearest::Fingerprints;
 use super::range_fit::RangeModel;
 use super::{AreaPrior, MapParams, RadioMap};
+use crate::ranging::correction::RangeCorrection;
 use adit_mine::plan::AccessPoint;
 use adit_observation::DeviceId;
 use alloc::collections::BTreeMap;
@@ -13,7 +14,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The version of both forms that this program reads and writes.
+/// The version of all forms that this program reads and writes.
 pub const VERSION: u32 = 1;
 
 /// What a file is.
@@ -24,6 +25,20 @@ pub enum ModelKind {
     PathLoss,
     /// [`FingerprintModel`].
     Fingerprint,
+    /// [`RangesModel`].
+    Ranges,
+}
+
+/// How the ranges of a kind of tag and anchors err.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RangesModel {
+    /// [`ModelKind::Ranges`].
+    pub kind: ModelKind,
+    /// [`VERSION`].
+    pub version: u32,
+    /// How they err.
+    pub correction: RangeCorrection,
 }
 
 /// Path loss of a site's transmitters, `[[access_points]]` as in a mine file, and what the methods need besides.

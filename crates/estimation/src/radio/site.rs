@@ -7,6 +7,7 @@ use super::map::{Hearing, Storeys};
 use super::model::{FingerprintModel, PathLossModel};
 use super::nearest::Fingerprints;
 use super::{AreaPrior, MapParams, PathLoss, RadioMap};
+use crate::ranging::correction::RangeCorrection;
 use adit_core::nalgebra::{Vector2, Vector3};
 use adit_mine::plan::{AccessPoint, MinePlan, Radio};
 use adit_observation::DeviceId;
@@ -123,6 +124,8 @@ pub struct RadioSite {
     pub calibrated: Option<Calibrated>,
     /// Of surveyed fingerprints.
     pub surveyed: Option<Surveyed>,
+    /// How ranges to the anchors err; where it is told, the anchors' own [`range_offset_m`](SiteAnchor::range_offset_m) are zero.
+    pub ranges: Option<RangeCorrection>,
 }
 
 impl RadioSite {
@@ -162,7 +165,17 @@ impl RadioSite {
         let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
         let area = AreaPrior::of(&spots_m, MARGIN_M);
         let reach_m = MARGIN_M.max(0.5 * widest_m);
-        Self { transmitters, anchors, spots_m, centre_lines, reach_m, area, calibrated: None, surveyed: None }
+        Self {
+            transmitters,
+            anchors,
+            spots_m,
+            centre_lines,
+            reach_m,
+            area,
+            calibrated: None,
+            surveyed: None,
+            ranges: None,
+        }
     }
 
     /// The same with what `adit calibrate pathloss` found.
@@ -197,6 +210,16 @@ impl RadioSite {
         let FingerprintModel { transmitters, strengths, belief, fingerprints, .. } = model;
         let map = Some(SurveyedMap { map: strengths, belief });
         self.surveyed = Some(Surveyed { transmitters, fingerprints, map });
+        self
+    }
+
+    /// The same with what `adit calibrate range` found, in place of the offsets of the anchors.
+    #[must_use]
+    pub fn with_ranges(mut self, correction: RangeCorrection) -> Self {
+        for anchor in &mut self.anchors {
+            anchor.range_offset_m = 0.0;
+        }
+        self.ranges = Some(correction);
         self
     }
 }

@@ -37,8 +37,8 @@ impl EpochParams {
     /// The first setting that cannot be worked with, by name.
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         first_unusable(&[
-            ("epochs.epoch_s", positive(self.epoch_s) && self.epoch_s <= 60.0),
-            ("epochs.wait_s", not_negative(self.wait_s) && self.wait_s <= 3600.0),
+            ("ranges.epoch_s", positive(self.epoch_s) && self.epoch_s <= 60.0),
+            ("ranges.wait_s", not_negative(self.wait_s) && self.wait_s <= 3600.0),
         ])
     }
 }

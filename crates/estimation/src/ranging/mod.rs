@@ -12,16 +12,19 @@
 //!
 //! Offset o, scale s and standard deviation σ of each anchor are a [`RangeModel`]. The [`Height`] of the tag is free, known, or known within a
 //! standard deviation. How well anchors lie for a place tells [`dilution`]; [`epochs`] gathers
-//! the ranges of a log.
+//! the ranges of a log, [`listener`] those to the anchors of a site, corrected ([`correction`]); [`solver`] is the solver that settings name.
 //!
 //! Frame: that of the anchors, z up, m. Nothing here filters: each epoch stands for itself.
 //! Limits: anchors in one plane, or in one row, leave mirror images. Every [`RangingFix`] holds the more likely place, and in its covariance how
 //! far and how likely the other one is.
 
+pub mod correction;
 pub mod dilution;
 pub mod epochs;
 pub mod fit;
 pub mod linear;
+pub mod listener;
+pub mod solver;
 pub mod spheres;
 
 pub use crate::radio::range_fit::{RangeModel, Ranged};
