@@ -5,12 +5,14 @@ mod compare;
 pub mod mine;
 mod nlos;
 mod radio;
+mod range;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
+pub use range::CalibrateRangeArgs;
 pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;

@@ -181,6 +181,28 @@ fn a_list_of_anchors_is_a_mine_of_anchors() {
     let plan = checked.mine.unwrap().plan().clone();
     assert_eq!(plan.anchors[0].position_m, Position::new(0.0, 0.25, 2.5));
     assert_eq!(plan.anchors[1].id, "A2");
+    assert_eq!(plan.anchors[0].range_offset_m, None);
+}
+
+#[test]
+fn a_list_of_anchors_may_tell_what_they_add_to_ranges() {
+    for name in ["range_offset_m", "sfuise_range_offset_m"] {
+        let text = format!("anchor_id,x_m,y_m,z_m,{name}\nA1,0,0,2,0.46\nA2,9,0,2,\n");
+        let plan = parse(Path::new("anchors.csv"), text.as_bytes()).mine.unwrap().plan().clone();
+        assert_eq!((plan.anchors[0].range_offset_m, plan.anchors[1].range_offset_m), (Some(0.46), None));
+    }
+    let both = "anchor_id,x_m,y_m,z_m,range_offset_m,sfuise_range_offset_m\nA,0,0,2,0,0\n";
+    assert!(
+        told("a.csv", both).starts_with("a.csv:1: error: key `sfuise_range_offset_m` stands here twice"),
+        "{}",
+        told("a.csv", both)
+    );
+    let not = "anchor_id,x_m,y_m,z_m,range_offset_m\nA,0,0,2,far\n";
+    assert!(
+        told("a.csv", not).starts_with("a.csv:2: error: `range_offset_m`: found \"far\""),
+        "{}",
+        told("a.csv", not)
+    );
 }
 
 /// The first message about a file.

@@ -38,6 +38,14 @@ pub enum TuningError {
         /// What was found, m.
         found: f64,
     },
+    /// Nothing is left to judge on.
+    #[error(
+        "ranges of {found} place, geometry or walk, expected 2 or more: what one tells is judged on others"
+    )]
+    OneGroup {
+        /// How many there are.
+        found: usize,
+    },
     /// The magnetometer was hardly turned, or about one axis only.
     #[error(
         "the readings of the magnetometer lie within {thickness_percent:.1} % of a plane (normal {normal} of the sensor): it was turned \

@@ -2,6 +2,7 @@
 
 use super::number;
 use super::radio::{CalibrateFingerprintArgs, CalibratePathlossArgs};
+use super::range::CalibrateRangeArgs;
 use crate::output::Target;
 use adit_tuning::geomagnetic::{Day, Site};
 use clap::{Args, Subcommand, ValueHint};
@@ -57,6 +58,8 @@ pub enum Calibration {
     Pathloss(CalibratePathlossArgs),
     /// Radio map of a site, from fingerprints
     Fingerprint(CalibrateFingerprintArgs),
+    /// How UWB ranges err: offsets of anchors, errors by how the signal came in, from ranges with a known distance
+    Range(CalibrateRangeArgs),
 }
 
 impl Calibration {
@@ -67,6 +70,7 @@ impl Calibration {
             Self::Noise(args) => (&args.out, args.json),
             Self::Pathloss(args) => (&args.out, args.radio.json),
             Self::Fingerprint(args) => (&args.out, args.radio.json),
+            Self::Range(args) => (&args.out, args.json),
         };
         *out == Target::Stdout && json
     }

@@ -34,6 +34,7 @@ mod header;
 pub mod labelled;
 mod radio_columns;
 mod range_columns;
+pub mod range_truth;
 mod row;
 mod rows;
 pub(crate) mod table;

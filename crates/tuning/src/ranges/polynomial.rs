@@ -13,7 +13,6 @@
 use crate::error::TuningError;
 use adit_core::nalgebra::{DMatrix, DVector};
 use adit_estimation::ranging::correction::RangePolynomial;
-use serde::Serialize;
 
 /// How to fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,17 +21,6 @@ pub struct PolynomialParams {
     pub degree: usize,
     /// Degrees of freedom of the errors; infinite for least squares as in the paper.
     pub dof: f64,
-}
-
-/// A fitted polynomial.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PolynomialFit {
-    /// f.
-    pub polynomial: RangePolynomial,
-    /// Standard deviation of the distance about it, m: of all pairs, long tails too.
-    pub sigma_m: f64,
-    /// Pairs that it stands on.
-    pub pairs: usize,
 }
 
 /// A range and the distance that it measured.
@@ -48,11 +36,13 @@ pub struct RangePair {
 pub const MOST: usize = 9;
 /// Directions of the normal matrix with less than this of its greatest eigenvalue are left at zero.
 const SMALL: f64 = 1e-12;
+/// No range is better than this, m.
+const LEAST_M: f64 = 1e-3;
 /// Reweightings settle in a few.
 const REWEIGHTINGS: usize = 50;
 
-/// Fits f; degrees beyond [`MOST`] are taken for it. The error of too few pairs, or of pairs that are not finite.
-pub fn fit(pairs: &[RangePair], params: &PolynomialParams) -> Result<PolynomialFit, TuningError> {
+/// Fits f, its standard deviation being that of all pairs, long tails too; degrees beyond [`MOST`] are taken for it. The error of too few pairs, or of pairs that are not finite.
+pub fn fit(pairs: &[RangePair], params: &PolynomialParams) -> Result<RangePolynomial, TuningError> {
     let degree = params.degree.min(MOST);
     if pairs.len() < degree + 2 {
         let (found, expected) = (pairs.len(), degree + 2);
@@ -96,7 +86,7 @@ pub fn fit(pairs: &[RangePair], params: &PolynomialParams) -> Result<PolynomialF
         Some(slope) => *slope += 1.0,
         None => coefficients.push(1.0),
     }
-    Ok(PolynomialFit { polynomial: RangePolynomial { coefficients, learnt_m }, sigma_m, pairs: pairs.len() })
+    Ok(RangePolynomial { coefficients, learnt_m, sigma_m: sigma_m.max(LEAST_M) })
 }
 
 /// Weighted least squares by the eigenvalues of the normal matrix.

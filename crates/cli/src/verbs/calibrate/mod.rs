@@ -3,6 +3,7 @@
 mod mag;
 mod noise;
 mod radio;
+mod range;
 mod readings;
 
 use crate::args::{CalibrateArgs, Calibration};
@@ -18,6 +19,7 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
         Calibration::Noise(args) => noise::run(args),
         Calibration::Pathloss(args) => radio::pathloss::run(args),
         Calibration::Fingerprint(args) => radio::fingerprint::run(args),
+        Calibration::Range(args) => range::run(args),
     }
 }
 

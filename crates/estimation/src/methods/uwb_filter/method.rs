@@ -1,6 +1,7 @@
 //! The three filters as methods: their settings, and what they say of a run.
 
 use super::{UwbFilter, UwbFilterParams, Variant};
+use crate::methods::pdr::PdrReport;
 use crate::methods::{
     Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, RadioUse,
 };
@@ -28,6 +29,9 @@ pub struct UwbFilterReport {
     pub unsure_solutions: u64,
     /// Sum of the radii of 95 % of the solutions, m.
     pub radius_95_sum_m: f64,
+    /// Dead reckoning, where there is any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<PdrReport>,
     /// Warnings.
     pub warnings: Vec<MethodWarning>,
 }
@@ -59,8 +63,8 @@ impl<V: Variant> MethodSettings for UwbFilterParams<V> {
     const RADIO: RadioUse = RadioUse::Needed;
     const NOISE: &'static [&'static [NoiseParameter]] = &[&FilterParams::NOISE];
 
-    fn knowing(self, _: &Known) -> Self {
-        self
+    fn knowing(self, known: &Known) -> Self {
+        Self { steps: self.steps.map(|steps| steps.knowing(known)), ..self }
     }
 
     fn at_site(self, radio: &Arc<RadioSite>) -> Self {

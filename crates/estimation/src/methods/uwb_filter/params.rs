@@ -1,5 +1,6 @@
 //! Settings of `uwb-ekf`, `uwb-rkf` and `uwb-aekf`: one filter, three weightings.
 
+use crate::methods::pdr::PdrParams;
 use crate::radio::RadioSite;
 use crate::ranging::filter::FilterParams;
 use crate::ranging::filter::weighting::{Weighting, WeightingKind};
@@ -55,6 +56,9 @@ pub type UwbAekfParams = UwbFilterParams<Adaptive>;
 pub struct UwbFilterParams<V: Variant> {
     /// Which ranges, and how they are gathered.
     pub ranges: RangesParams,
+    /// Dead reckoning by steps instead of the motion of anybody; absent: no sensor of the tag is used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<PdrParams>,
     /// How late ranges are stamped, s: the place is that of so long before.
     pub latency_s: f64,
     /// The filter.
@@ -73,6 +77,7 @@ impl<V: Variant> Default for UwbFilterParams<V> {
         Self {
             // Noise, and what passes: both are told apart in the filter.
             ranges: RangesParams { sigma_m: 0.08, ..RangesParams::default() },
+            steps: None,
             latency_s: 0.0,
             filter: FilterParams::default(),
             weighting: Weighting { kind: V::KIND, ..Weighting::default() },

@@ -21,19 +21,41 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FusionParams {
+    /// One weight for both axes, as in the paper, or a matrix of them.
+    pub weights: Weights,
     /// Error of dead reckoning as a share of the way.
     pub drift_share: f64,
     /// Who does not walk still shifts about: m/√s.
     pub standing_m_sqrt_s: f64,
+    /// A position by UWB whose normalised distance squared from the expected one exceeds this pulls no more than one at it.
+    pub nis_bound: f64,
     /// Speed over a gap in the inertial samples, standard deviation, m/s.
     pub gap_speed_m_s: f64,
     /// Time over which what is in the way errs the same, s.
     pub correlation_s: f64,
 }
 
+/// What ω_u and ω_p are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Weights {
+    /// Numbers, as in the paper.
+    Scalar,
+    /// Matrices: UWB may know one direction well and the other not, when a single link is clear.
+    #[default]
+    Matrix,
+}
+
 impl Default for FusionParams {
     fn default() -> Self {
-        Self { drift_share: 0.05, standing_m_sqrt_s: 0.05, gap_speed_m_s: 1.0, correlation_s: 2.0 }
+        Self {
+            weights: Weights::default(),
+            drift_share: 0.05,
+            standing_m_sqrt_s: 0.05,
+            gap_speed_m_s: 1.0,
+            correlation_s: 2.0,
+            nis_bound: 9.0,
+        }
     }
 }
 
@@ -51,6 +73,7 @@ impl FusionParams {
         first_unusable(&[
             ("fusion.drift_share", not_negative(self.drift_share)),
             ("fusion.standing_m_sqrt_s", not_negative(self.standing_m_sqrt_s)),
+            ("fusion.nis_bound", self.nis_bound > 0.0),
             ("fusion.gap_speed_m_s", not_negative(self.gap_speed_m_s)),
             ("fusion.correlation_s", not_negative(self.correlation_s)),
         ])
@@ -63,7 +86,7 @@ pub struct Fusion {
     params: FusionParams,
     /// From the place of dead reckoning to the fused one, m; `None` until there is one.
     offset_m: Option<Vector2<f64>>,
-    variance_m2: f64,
+    covariance_m2: Matrix2<f64>,
     /// Time and place that dead reckoning has come to.
     walked: Option<(Time, Vector2<f64>)>,
     /// Time of the last epoch.
@@ -76,7 +99,7 @@ impl Fusion {
         Self {
             params,
             offset_m: start_variance_m2.map(|_| Vector2::zeros()),
-            variance_m2: start_variance_m2.unwrap_or_default(),
+            covariance_m2: Matrix2::identity() * start_variance_m2.unwrap_or_default(),
             walked: None,
             ranged: None,
         }
@@ -89,12 +112,14 @@ impl Fusion {
             Some((before, _)) if time <= before => return,
             Some((before, from_m)) => {
                 let elapsed_s = (time - before).seconds();
-                let drift_m = libm::sqrt(self.variance_m2) + drift_share * (way_m - from_m).norm();
+                let spread_m = libm::sqrt(0.5 * self.covariance_m2.trace());
+                let drift_m = drift_share * (way_m - from_m).norm();
                 // Dead reckoning tells of itself once a second at least, but in a gap.
-                let gap_s = (elapsed_s - GAP_S).max(0.0);
-                self.variance_m2 = drift_m * drift_m
+                let gap_m = gap_speed_m_s * (elapsed_s - GAP_S).max(0.0);
+                let grown_m2 = drift_m * (drift_m + 2.0 * spread_m)
                     + standing_m_sqrt_s * standing_m_sqrt_s * elapsed_s
-                    + (gap_speed_m_s * gap_s) * (gap_speed_m_s * gap_s);
+                    + gap_m * gap_m;
+                self.covariance_m2 += Matrix2::identity() * grown_m2;
             }
             None => {}
         }
@@ -115,21 +140,40 @@ impl Fusion {
         self.ranged = self.ranged.max(Some(time));
         let alike =
             if environment.is_blocked() { self.params.correlation_s / elapsed_s.max(1e-3) } else { 1.0 };
-        let uwb_m2 = 0.5 * covariance_m2.trace() * alike.max(1.0);
-        let Some(offset_m) = &mut self.offset_m else {
+        let uwb_m2 = covariance_m2 * alike.max(1.0);
+        let Some(offset_m) = self.offset_m else {
             self.offset_m = Some(uwb_m - way_m);
-            self.variance_m2 = uwb_m2;
+            self.covariance_m2 = uwb_m2;
             return 1.0;
         };
-        let weight = self.variance_m2 / (self.variance_m2 + uwb_m2);
-        *offset_m += (uwb_m - way_m - *offset_m) * weight;
-        self.variance_m2 *= 1.0 - weight;
-        weight
+        let uwb_m2 = uwb_m2 * self.doubt(&(uwb_m - way_m - offset_m), &uwb_m2);
+        let both = match self.params.weights {
+            Weights::Scalar => Matrix2::identity() * (0.5 * (self.covariance_m2 + uwb_m2).trace()),
+            Weights::Matrix => self.covariance_m2 + uwb_m2,
+        };
+        let own = match self.params.weights {
+            Weights::Scalar => Matrix2::identity() * (0.5 * self.covariance_m2.trace()),
+            Weights::Matrix => self.covariance_m2,
+        };
+        let Some(inverse) = both.try_inverse() else { return 0.0 };
+        let weight = own * inverse;
+        self.offset_m = Some(offset_m + weight * (uwb_m - way_m - offset_m));
+        let left = Matrix2::identity() - weight;
+        self.covariance_m2 =
+            left * self.covariance_m2 * left.transpose() + weight * uwb_m2 * weight.transpose();
+        0.5 * weight.trace()
     }
 
-    /// Where somebody is whom dead reckoning has at `way_m`, m, and the variance on each axis, m²; `None` before the first position.
-    pub fn place(&self, way_m: &Vector2<f64>) -> Option<(Vector2<f64>, f64)> {
-        self.offset_m.map(|offset_m| (way_m + offset_m, self.variance_m2))
+    /// By how much the variance of a position grows that both covariances do not explain: its pull grows no more beyond the bound (Huber 1964).
+    fn doubt(&self, off_m: &Vector2<f64>, uwb_m2: &Matrix2<f64>) -> f64 {
+        let inverse = (self.covariance_m2 + uwb_m2).try_inverse();
+        let nis = inverse.map_or(0.0, |inverse| (off_m.transpose() * inverse * off_m)[(0, 0)]);
+        (nis / self.params.nis_bound).max(1.0)
+    }
+
+    /// Where somebody is whom dead reckoning has at `way_m`, m, and the covariance, m²; `None` before the first position.
+    pub fn place(&self, way_m: &Vector2<f64>) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+        self.offset_m.map(|offset_m| (way_m + offset_m, self.covariance_m2))
     }
 }
 

@@ -18,7 +18,7 @@ mod fusion;
 mod method;
 
 pub use environment::Environment;
-pub use fusion::{Fusion, FusionParams};
+pub use fusion::{Fusion, FusionParams, Weights};
 pub use method::{UwbPdrParams, UwbPdrReport};
 
 use crate::methods::alignment::{Alignment, Event};
@@ -28,7 +28,7 @@ use crate::ranging::epochs::Epoch;
 use crate::ranging::listener::{Link, RangeListener};
 use crate::ranging::solver::{Solver, SolverKind};
 use crate::ranging::{Ranged, RangingFix};
-use adit_core::nalgebra::{Matrix2, Vector2};
+use adit_core::nalgebra::Vector2;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
 use adit_observation::Observation;
@@ -168,11 +168,11 @@ impl UwbPdr {
 
     /// Puts the fused place out, where there is one.
     fn tell(&mut self, time: Time, way_m: &Vector2<f64>) -> Result<Option<Solution>, MethodError> {
-        let (Some((place_m, variance_m2)), Some(reckoned)) = (self.fusion.place(way_m), &self.reckoned)
+        let (Some((place_m, covariance_m2)), Some(reckoned)) = (self.fusion.place(way_m), &self.reckoned)
         else {
             return Ok(None);
         };
-        if !(place_m.x.is_finite() && place_m.y.is_finite() && variance_m2.is_finite()) {
+        if !(place_m.x.is_finite() && place_m.y.is_finite() && covariance_m2.trace().is_finite()) {
             return Err(MethodError::Diverged { time });
         }
         let mut solution = reckoned.clone();
@@ -180,8 +180,7 @@ impl UwbPdr {
         solution.position_m = place_m.push(self.height[0]);
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        let level = Matrix2::identity() * variance_m2;
-        solution.covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&level);
+        solution.covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&covariance_m2);
         solution.covariance[(2, 2)] = self.height[1];
         let hold_s = self.params.pdr.fixes.hold_s;
         let held = self.fixed.is_some_and(|fixed| (time - fixed).seconds() <= hold_s);

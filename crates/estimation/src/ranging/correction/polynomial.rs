@@ -1,5 +1,6 @@
 //! The distance behind a range that came through or round something, as a polynomial of the range (system S4, Jia et al. 2024, eq. 6–10).
 
+use crate::settings::positive;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,8 @@ pub struct RangePolynomial {
     pub coefficients: Vec<f64>,
     /// Shortest and longest measured range that it was learnt from, m.
     pub learnt_m: [f64; 2],
+    /// Standard deviation of the distance about it, m.
+    pub sigma_m: f64,
 }
 
 impl RangePolynomial {
@@ -29,6 +32,9 @@ impl RangePolynomial {
             return Some(("coefficients", "one finite number or more"));
         }
         let span = shortest.is_finite() && longest.is_finite() && shortest <= longest;
-        (!span).then_some(("learnt_m", "the shortest and the longest range, m"))
+        if !span {
+            return Some(("learnt_m", "the shortest and the longest range, m"));
+        }
+        (!positive(self.sigma_m)).then_some(("sigma_m", "a number of metres above 0"))
     }
 }

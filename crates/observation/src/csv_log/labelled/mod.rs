@@ -6,7 +6,8 @@
 //! ```
 //!
 //! - One range to a row, no time. Which rows belong together, because anchor and tag stood where they stood: `geometry_id`, `tag_location_id`,
-//!   `room_id` or `group_id`. Rows of one group are near copies of each other.
+//!   `room_id` or `group_id`; without these, rows of the same `tag_height_m` and `true_range_m` (the static set of `uwb-outdoor`). Rows of one group are near
+//!   copies of each other. `anchor_id` where there are several anchors.
 //! - `label`: `LOS`, `NLOS` or `NDP` (no direct path); or `nlos`: 0 or 1.
 //! - `range_m`, `true_range_m` and the columns of a reception (see `docs/formats.md`), each empty where the device did not tell;
 //!   `pre_first_path_amplitude_std` is another name of `noise_std`.
@@ -19,6 +20,9 @@
 mod responses;
 mod rows;
 
+use super::header::name;
+use super::table::Table;
+use crate::device::DeviceId;
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
 use crate::radio::Reception;
@@ -50,6 +54,8 @@ pub struct LabelledRange {
     pub group: usize,
     /// What somebody has told.
     pub class: LinkClass,
+    /// The anchor, where the set tells.
+    pub anchor: Option<DeviceId>,
     /// The range as measured, m.
     pub range_m: Option<f64>,
     /// The distance, m.
@@ -92,6 +98,13 @@ impl LinkClass {
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|class| class.name().eq_ignore_ascii_case(name))
     }
+}
+
+/// Whether a table is one of labelled ranges: it tells a class, or line of sight, and no time.
+pub fn is_labelled(path: impl AsRef<Path>) -> Result<bool, LogError> {
+    let (_, header) = Table::new(Input::open(path)?, "a header such as geometry_id,label,range_m")?;
+    let has = |wanted: fn(&str) -> bool| header.iter().any(|field| wanted(&name(field)));
+    Ok(has(|name| matches!(name, "label" | "nlos")) && !has(|name| name.starts_with("time_")))
 }
 
 /// Reads a folder or a table.

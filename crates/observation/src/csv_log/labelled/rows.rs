@@ -7,6 +7,7 @@ use crate::csv_log::radio_columns::fault_of;
 use crate::csv_log::range_columns::ReceptionColumns;
 use crate::csv_log::table::Table;
 use crate::csv_log::units::RANGE_UNITS;
+use crate::device::DeviceId;
 use crate::error::{LogError, shown};
 use crate::files::Input;
 use crate::radio::RangeSample;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 
 const GROUPS: [&str; 4] = ["geometry_id", "tag_location_id", "room_id", "group_id"];
 /// Columns of the sets we know that say nothing a receiver would tell, or nothing new.
-const LEFT: [&str; 8] = [
+const LEFT: [&str; 9] = [
     "anchor_x_m",
     "anchor_y_m",
     "anchor_z_m",
@@ -25,12 +26,15 @@ const LEFT: [&str; 8] = [
     "tag_z_m",
     "noise_threshold",
     "cir_power",
+    "max_growth_cir",
 ];
 
 /// Where everything stands in a row.
 struct Columns {
     names: Vec<String>,
-    group: usize,
+    /// One column, or those that tell a place together.
+    group: Vec<usize>,
+    anchor: Option<usize>,
     label: Label,
     range: Option<Column>,
     truth: Option<Column>,
@@ -58,7 +62,8 @@ pub fn read(input: Input) -> Result<LabelledRanges, LogError> {
         warnings: Vec::new(),
     };
     while table.next()? {
-        let group = shown(table.field(columns.group));
+        let parts: Vec<String> = columns.group.iter().map(|index| shown(table.field(*index))).collect();
+        let group = parts.join("/");
         let group = *known.entry(group).or_insert_with_key(|name| {
             set.groups.push(name.clone());
             set.groups.len() - 1
@@ -80,7 +85,15 @@ impl Columns {
         let place = table.place();
         let mut used = vec![false; names.len()];
         let mut finder = Finder { names: &names, used: &mut used, place: &place };
-        let group = finder.needed(&GROUPS)?;
+        let group = match finder.one(&GROUPS)? {
+            Some(group) => vec![group],
+            None => {
+                match (finder.one(&["tag_height_m"])?, names.iter().position(|name| name == "true_range_m")) {
+                    (Some(height), Some(distance)) => vec![height, distance],
+                    _ => return Err(missing(vec![GROUPS.join(" or ")], &names, &place)),
+                }
+            }
+        };
         let label = match (finder.one(&["label"])?, finder.one(&["nlos"])?) {
             (Some(label), _) => Label::Name(label),
             (None, Some(nlos)) => Label::Nlos(nlos),
@@ -92,13 +105,13 @@ impl Columns {
         for left in LEFT {
             finder.one(&[left])?;
         }
-        finder.one(&["anchor_id"])?;
+        let anchor = finder.one(&["anchor_id"])?;
         let ignored = || names.iter().zip(&used).filter(|(_, used)| !**used).map(|(name, _)| name.clone());
         if ignored().next().is_some() {
             let columns = ignored().collect();
             warnings.push(LogWarning::IgnoredColumns { place, columns });
         }
-        Ok(Self { names, group, label, range, truth, reception })
+        Ok(Self { names, group, anchor, label, range, truth, reception })
     }
 
     fn read(&self, table: &Table, group: usize) -> Result<LabelledRange, LogError> {
@@ -117,8 +130,10 @@ impl Columns {
         let (range_m, true_range_m) = (self.distance(table, self.range)?, self.distance(table, self.truth)?);
         let reception =
             self.reception.read(table, &self.names)?.map(Arc::unwrap_or_clone).unwrap_or_default();
+        let anchor =
+            self.anchor.and_then(|index| DeviceId::new(std::str::from_utf8(table.field(index)).ok()?));
         match reception.fault() {
-            None => Ok(LabelledRange { group, class, range_m, true_range_m, reception }),
+            None => Ok(LabelledRange { group, class, anchor, range_m, true_range_m, reception }),
             Some(fault) => Err(fault_of(fault, table)),
         }
     }

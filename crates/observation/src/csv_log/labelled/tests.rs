@@ -37,6 +37,23 @@ fn a_table_of_two_classes_says_so() {
 }
 
 #[test]
+fn a_static_set_without_ids_is_grouped_by_height_and_distance() {
+    let set =
+        table("nlos,tag_height_m,true_range_m,range_m\n0,1,10,10.1\n1,1,10,10.4\n0,1.5,10,10\n0,1,11,11\n")
+            .unwrap();
+    assert_eq!(set.groups, ["1/10", "1.5/10", "1/11"]);
+    assert_eq!(set.ranges.iter().map(|r| r.group).collect::<Vec<_>>(), [0, 0, 1, 2]);
+    assert_eq!(set.ranges[1].true_range_m, Some(10.0));
+}
+
+#[test]
+fn rows_keep_their_anchor() {
+    let set = table("tag_location_id,anchor_id,nlos,range_m\n1,A7,1,4.5\n1,,0,3\n").unwrap();
+    assert_eq!(set.ranges[0].anchor, DeviceId::new("A7"));
+    assert_eq!(set.ranges[1].anchor, None);
+}
+
+#[test]
 fn faults_name_file_and_line() {
     for (text, expected) in [
         (
