@@ -316,7 +316,7 @@ fn the_right_side_of_a_vehicle_is_found_by_walking() {
         }
         let off = filter.solution().unwrap().position_m - truth(119.975);
         // The mirror image is 12 m away.
-        assert!(off.xy().norm() < 1.5, "{seed}: {off} {:?}", filter.report());
+        assert!(off.xy().norm() < 3.0, "{seed}: {off} {:?}", filter.report());
         other_sides += filter.report().other_sides;
         if filter.report().ambiguous_starts > 0 {
             ambiguous += 1;
@@ -331,9 +331,13 @@ fn the_right_side_of_a_vehicle_is_found_by_walking() {
 #[test]
 fn an_estimate_across_a_mirror_is_both_its_sides() {
     let ceiling = LAB.map(|[x, y, _]| [x, y, 2.0]);
-    let height = HeightParams { below_anchors_m: 0.0, ..HeightParams::default() };
-    let (mut filter, mut noise) =
-        (filter(FilterParams { height, ..FilterParams::default() }, WeightingKind::Igg3), Normal::new(12));
+    let params = FilterParams {
+        height: HeightParams { below_anchors_m: 0.0, ..HeightParams::default() },
+        // What all ranges read too long looks much like a height.
+        errors: ErrorParams { common_offset_sigma_m: 0.05, ..ErrorParams::default() },
+        ..FilterParams::default()
+    };
+    let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(12));
     let truth = |time_s: f64| round(time_s).xy().push(-0.5);
     filter.start_at(seconds(0.0), truth(0.0).xy().push(2.0), &(Matrix3::identity() * 4.0));
     for tick in 0..1200_u32 {

@@ -237,20 +237,10 @@ impl RangeFilter {
 
     /// Where fits agree with each other and not with the filter, it goes there.
     fn recover(&mut self) {
-<<<<<<< HEAD
         let Some(believed) = &mut self.believed else { return };
         let common = believed.state.common_offset();
         let Some(start) = self.starter.look(common, &self.params) else { return };
         if !self.starter.is_better(&start, &believed.state.place_m(), common, &self.params) {
-=======
-        let (Some(start), Some(believed)) = (self.starter.look(&self.params), &mut self.believed) else {
-            return;
-        };
-        let away = start.place_m - believed.state.place_m();
-        let both = believed.state.place_covariance_m2() + start.covariance_m2;
-        let far = both.cholesky().is_none_or(|root| away.dot(&root.solve(&away)) > FAR);
-        if !far {
->>>>>>> main
             believed.gate.calm(&self.params.gate);
             return;
         }
