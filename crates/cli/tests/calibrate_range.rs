@@ -79,7 +79,7 @@ fn offsets_of_anchors_are_learnt_from_either_truth_and_serve_a_method() {
     let Outcome { code, stdout, stderr } = calibrate(folder, &[&walks[..], &by_places].concat());
     assert_eq!(code, 0, "{stderr}");
     let report: Value = serde_json::from_str(&stdout).unwrap();
-    assert_eq!((&report["groups"], &report["ranges"]), (&2.into(), &1200.into()));
+    assert_eq!((&report["groups"], &report["ranges"]), (&10.into(), &1200.into()));
     assert_eq!(report["learnt"]["offsets"]["chosen"], "each anchor");
     for (id, _, offset) in ANCHORS {
         let found = report["learnt"]["correction"]["anchors"][id].as_f64().unwrap();
@@ -174,7 +174,10 @@ fn what_cannot_be_learnt_from_is_told_in_a_line() {
             &["one_ranges.csv", "-o", "r.toml", "--mine", "other.csv"],
             "one_ranges.csv: the distance of none of 600 ranges is known",
         ),
-        (&["place.csv", "-o", "r.toml"], "ranges of 1 place, geometry or walk, expected 2 or more"),
+        (
+            &["place.csv", "-o", "r.toml"],
+            "the ranges are of 1 places, geometries or walks, expected 2 or more",
+        ),
     ] {
         let Outcome { code, stderr, .. } = calibrate(folder, flags);
         assert_eq!(code, 1, "{flags:?}: {stderr}");
