@@ -142,7 +142,7 @@ fn people_vehicles_pillars_and_the_wearer_block() {
     let person = Obstacle::person(Vector3::new(half_way.x, half_way.y, 0.0));
     let blocked = ranges(&world, &Antenna { position_m: here, facing_rad: None }, &[person]);
     let (clear, blocked) = (of(&clear, "a1").unwrap(), of(&blocked, "a1").unwrap());
-    assert_eq!((clear.truth.blockers.others, blocked.truth.blockers.others), (0, 1));
+    assert_eq!((clear.truth.blockers.people, blocked.truth.blockers.people), (0, 1));
     assert_ne!(blocked.truth.class, LinkClass::Los);
     assert!(blocked.truth.power_dbm < clear.truth.power_dbm - 5.0);
 
@@ -156,7 +156,7 @@ fn people_vehicles_pillars_and_the_wearer_block() {
         },
     };
     let behind = ranges(&world, &Antenna { position_m: here, facing_rad: None }, &[truck]);
-    assert!(of(&behind, "a1").is_none_or(|o| o.truth.blockers.others == 1));
+    assert!(of(&behind, "a1").is_none_or(|o| o.truth.blockers.vehicles == 1));
 
     // Facing west, away from the anchor in the east, the wearer is in between.
     let west = Antenna { position_m: here, facing_rad: Some(-core::f64::consts::FRAC_PI_2) };

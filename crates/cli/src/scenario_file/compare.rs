@@ -52,6 +52,8 @@ struct RunEntry {
     tune: Option<OptimiserName>,
     /// Person whose log makes its fingerprints, from 1.
     survey: Option<Spanned<usize>>,
+    /// Person whose log tells how ranges err, from 1.
+    calibrate: Option<Spanned<usize>>,
     /// Model that judges its ranges: one that ships with adit, or a file beside the scenario.
     nlos: Option<String>,
 }
@@ -109,6 +111,8 @@ pub struct Contender {
     pub tune: Option<Optimiser>,
     /// Person whose log makes its fingerprints, from 0.
     pub survey: Option<usize>,
+    /// Person whose log tells how ranges err, from 0.
+    pub calibrate: Option<usize>,
     /// Model that judges its ranges before they reach it.
     pub nlos: Option<Arc<Model>>,
 }
@@ -117,7 +121,7 @@ impl Contender {
     /// A method as it comes.
     pub fn plain(method: MethodName) -> Self {
         let (name, config) = (method.name().to_owned(), toml::Table::new());
-        Self { name, method, config, in_figures: true, tune: None, survey: None, nlos: None }
+        Self { name, method, config, in_figures: true, tune: None, survey: None, calibrate: None, nlos: None }
     }
 }
 
@@ -160,7 +164,8 @@ impl Scenario {
     }
 
     fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey, nlos } = entry.get_ref();
+        let RunEntry { name, method, config, config_file, figures, tune, survey, calibrate, nlos } =
+            entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
             Some(file) => {
@@ -176,6 +181,7 @@ impl Scenario {
             in_figures: *figures,
             tune: tune.map(|name| name.0),
             survey: survey.as_ref().map(|person| self.number(person)).transpose()?,
+            calibrate: calibrate.as_ref().map(|person| self.number(person)).transpose()?,
             nlos: nlos.as_deref().map(|name| judged_ranges::model(name, self.source.folder())).transpose()?,
         })
     }

@@ -11,6 +11,7 @@ use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
 use adit_observation::sidecar::Sidecar;
 use adit_observation::{Observation, truth};
+use adit_simulation::radio::RangeTruth;
 use adit_simulation::{Emission, TruthState};
 use anyhow::{Context, Result, bail};
 use std::fs;
@@ -31,6 +32,8 @@ pub struct Trial {
     pub name: String,
     /// The log.
     pub observations: Vec<Observation>,
+    /// The truth of each range of the log, in its order, where it was simulated.
+    pub range_truths: Vec<RangeTruth>,
     /// The truth.
     pub truth: Vec<TrueState>,
     /// What is told beside the log.
@@ -154,18 +157,23 @@ pub fn run<R: MethodReport>(
 
 fn simulated(scenario: &Scenario, seed: u64, person: usize) -> Result<Trial> {
     let run = scenario.generate_person(seed, person)?;
-    let (mut observations, mut truth) = (Vec::new(), Vec::new());
+    let (mut observations, mut truth, mut range_truths) = (Vec::new(), Vec::new(), Vec::new());
     for emission in run.emissions {
         observations.push(emission.observation());
-        if let Emission::Imu(_, TruthState { time, position_m, velocity_m_s, attitude, .. }) = emission {
-            let pose = Pose { time, position_m, attitude };
-            truth.push(TrueState { pose, velocity_m_s: Some(velocity_m_s) });
+        match emission {
+            Emission::Imu(_, TruthState { time, position_m, velocity_m_s, attitude, .. }) => {
+                let pose = Pose { time, position_m, attitude };
+                truth.push(TrueState { pose, velocity_m_s: Some(velocity_m_s) });
+            }
+            Emission::Range(_, truth) => range_truths.push(truth),
+            _ => {}
         }
     }
     let name = format!("seed {seed}");
     Ok(Trial {
         name,
         observations,
+        range_truths,
         truth,
         sidecar: run.sidecar,
         radio: scenario.radio_site()?,
@@ -186,6 +194,7 @@ fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
     Ok(Trial {
         name: log.display().to_string(),
         observations,
+        range_truths: Vec::new(),
         truth: known.trajectory.poses().iter().map(state).collect(),
         sidecar: stream.sidecar().cloned(),
         radio: None,

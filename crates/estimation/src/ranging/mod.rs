@@ -23,6 +23,7 @@ pub mod correction;
 pub mod dilution;
 pub mod epochs;
 mod few;
+pub mod filter;
 pub mod fit;
 pub mod linear;
 pub mod listener;

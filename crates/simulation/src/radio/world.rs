@@ -4,7 +4,7 @@ use super::field::{FadingField, ShadowField};
 use super::keyed::Key;
 use super::outage::{DeadTimes, Outage};
 use super::paths::Field;
-use super::scene::{Line, Surroundings};
+use super::scene::{Line, Shape, Surroundings};
 use super::screen::Detour;
 use super::spec::RadioSpec;
 use super::tag::Tag;
@@ -88,6 +88,8 @@ struct Prism {
     middle: Vector2<f64>,
     reach_m: f64,
     band_m: (f64, f64),
+    /// It reaches the roof: nothing bends over it.
+    whole: bool,
 }
 
 /// A closed door.
@@ -103,7 +105,9 @@ pub(crate) struct DoorLine {
 pub(crate) struct InTheWay {
     pub detour: Detour,
     pub pillars: u8,
-    pub others: u8,
+    pub machines: u8,
+    pub people: u8,
+    pub vehicles: u8,
     pub wearer: bool,
 }
 
@@ -234,24 +238,28 @@ impl RadioWorld {
         if let Some(screen) = wearer.and_then(|wearer| wearer.screen(&line)) {
             wearer_blocks = add(line.detour(&screen, wavelength_m));
         }
-        let mut others = 0_u8;
+        let [mut people, mut vehicles, mut pillars, mut machines] = [0_u8; 4];
         for obstacle in near {
             if line.passes(&obstacle.foot_m.xy(), obstacle.reach_m() + margin_m)
                 && let Some(screen) = obstacle.screen(&line)
             {
-                others = others.saturating_add(u8::from(add(line.detour(&screen, wavelength_m))));
+                let of = match obstacle.shape {
+                    Shape::Round { .. } => &mut people,
+                    Shape::Box { .. } => &mut vehicles,
+                };
+                *of = of.saturating_add(u8::from(add(line.detour(&screen, wavelength_m))));
             }
         }
-        let mut pillars = 0_u8;
         for prism in &self.pillars {
             if (prism.band_m.0..prism.band_m.1).contains(&tag_m.z)
                 && line.passes(&prism.middle, prism.reach_m + margin_m)
                 && let Some(screen) = line.screen_of(&prism.corners, prism.band_m.1)
             {
-                pillars = pillars.saturating_add(u8::from(add(line.detour(&screen, wavelength_m))));
+                let of = if prism.whole { &mut pillars } else { &mut machines };
+                *of = of.saturating_add(u8::from(add(line.detour(&screen, wavelength_m))));
             }
         }
-        InTheWay { pillars, others, wearer: wearer_blocks, ..found }
+        InTheWay { pillars, machines, people, vehicles, wearer: wearer_blocks, ..found }
     }
 
     /// Distance from the nearest running belt, m.
@@ -330,7 +338,7 @@ impl Prism {
         let corners: Vec<_> = pillar.outline_m.iter().map(|c| Vector2::from(*c)).collect();
         let middle = corners.iter().sum::<Vector2<f64>>() / corners.len() as f64;
         let reach_m = corners.iter().map(|c| (c - middle).norm()).fold(0.0, f64::max);
-        Some(Self { corners, middle, reach_m, band_m: (low, top.min(1e7)) })
+        Some(Self { corners, middle, reach_m, band_m: (low, top.min(1e7)), whole: top >= high })
     }
 }
 

@@ -1,5 +1,6 @@
 //! One method on one run.
 
+use super::ranges::RangeRecord;
 use crate::config;
 use crate::judged_ranges::JudgedRanges;
 use crate::method::{self, with_settings};
@@ -23,6 +24,8 @@ pub struct Entered {
     pub outcome: Option<RunOutcome>,
     /// Odd things that the method met.
     pub warnings: Vec<String>,
+    /// What became of its ranges.
+    pub ranges: RangeRecord,
 }
 
 /// Runs a contender over a trial and judges it; its path comes along where it has one.
@@ -41,7 +44,7 @@ pub fn enter(
         Ok(driven) => driven,
         Err(error) => {
             let warnings = vec![format!("{}: {error}", place())];
-            return Ok((Entered { outcome: None, warnings }, None));
+            return Ok((Entered { outcome: None, warnings, ranges: RangeRecord::default() }, None));
         }
     };
     let errors = run_errors(&driven.solutions, &trial.truth, options).with_context(place)?;
@@ -49,7 +52,7 @@ pub fn enter(
     let nis = driven.nis.map(|Nis { dimension, count, sum }| (dimension, count, sum));
     let outcome = RunOutcome { errors, nis, time_per_step_ns: driven.time_per_step_ns };
     let warnings = driven.warnings.iter().map(|warning| format!("{}: {warning}", contender.name)).collect();
-    Ok((Entered { outcome: Some(outcome), warnings }, path))
+    Ok((Entered { outcome: Some(outcome), warnings, ranges: RangeRecord::default() }, path))
 }
 
 struct Driven {

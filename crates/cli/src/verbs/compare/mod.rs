@@ -2,6 +2,7 @@
 
 mod contest;
 mod lessons;
+mod ranges;
 
 use crate::args::CompareArgs;
 use crate::interrupt;
@@ -16,7 +17,10 @@ use adit_evaluation::plot::{PathCurve, Role};
 use anyhow::{Result, bail};
 use contest::Entered;
 use lessons::Lessons;
+use ranges::{RangeRecord, RangeReport};
 use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Runs everything and shows it.
@@ -29,10 +33,13 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     };
     let (runs, mut first) = run_all(&trials, &contest, &rules)?;
     let mut methods = Vec::with_capacity(contest.contenders.len());
+    let mut ranges = Vec::new();
     for (nth, contender) in contest.contenders.iter().enumerate() {
         let outcomes: Vec<Option<RunOutcome>> = runs.iter().map(|run| run[nth].outcome.clone()).collect();
         let summary = summarise(contender.method.name(), &outcomes, contender.in_figures)?;
         methods.push((contender.name.clone(), summary));
+        let report = RangeReport::of(runs.iter().map(|run| &run[nth].ranges));
+        ranges.extend(report.map(|report| (contender.name.clone(), report)));
     }
     let comparison = Comparison {
         scenario: args.source.display().to_string(),
@@ -52,13 +59,25 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         output::write_file(path, &html(&comparison, &first.curves(&contest.contenders))?)?;
     }
     if let Some(target) = &args.json {
-        target.write(&(serde_json::to_string_pretty(&comparison)? + "\n"))?;
+        let report = Report { comparison: &comparison, ranges: ranges.iter().cloned().collect() };
+        target.write(&(serde_json::to_string_pretty(&report)? + "\n"))?;
     }
+    let text = comparison.to_string() + &ranges::table(&ranges);
     if args.json == Some(Target::Stdout) {
-        output::tell(&comparison.to_string());
+        output::tell(&text);
         return Ok(());
     }
-    output::print(&comparison.to_string())
+    output::print(&text)
+}
+
+/// What `--json` writes.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// Of contenders whose ranges are judged or corrected.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    ranges: BTreeMap<String, RangeReport>,
 }
 
 /// How runs are judged.
@@ -98,7 +117,10 @@ fn run_all(trials: &Trials, contest: &Contest, rules: &Rules) -> Result<(Vec<Vec
         for contender in contenders {
             let (taught, site) = (lessons.taught(contender)?, lessons.site(contender, &trial)?);
             let options = rules.options(&trial, contender);
-            let (run, estimate) = contest::enter(&trial, &taught, site.as_ref(), &options)?;
+            let (mut run, estimate) = contest::enter(&trial, &taught, site.as_ref(), &options)?;
+            if contender.nlos.is_some() || contender.calibrate.is_some() {
+                run.ranges = RangeRecord::of(&trial, contender, site.as_deref());
+            }
             if let Some(paths) = &mut paths {
                 paths.estimates.push(estimate);
             }

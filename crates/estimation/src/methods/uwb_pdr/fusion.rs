@@ -27,6 +27,8 @@ pub struct FusionParams {
     pub drift_share: f64,
     /// Who does not walk still shifts about: m/√s.
     pub standing_m_sqrt_s: f64,
+    /// A position by UWB whose normalised distance squared from the expected one exceeds this pulls no more than one at it.
+    pub nis_bound: f64,
     /// Speed over a gap in the inertial samples, standard deviation, m/s.
     pub gap_speed_m_s: f64,
     /// Time over which what is in the way errs the same, s.
@@ -52,6 +54,7 @@ impl Default for FusionParams {
             standing_m_sqrt_s: 0.05,
             gap_speed_m_s: 1.0,
             correlation_s: 2.0,
+            nis_bound: 9.0,
         }
     }
 }
@@ -70,6 +73,7 @@ impl FusionParams {
         first_unusable(&[
             ("fusion.drift_share", not_negative(self.drift_share)),
             ("fusion.standing_m_sqrt_s", not_negative(self.standing_m_sqrt_s)),
+            ("fusion.nis_bound", self.nis_bound > 0.0),
             ("fusion.gap_speed_m_s", not_negative(self.gap_speed_m_s)),
             ("fusion.correlation_s", not_negative(self.correlation_s)),
         ])
@@ -137,11 +141,12 @@ impl Fusion {
         let alike =
             if environment.is_blocked() { self.params.correlation_s / elapsed_s.max(1e-3) } else { 1.0 };
         let uwb_m2 = covariance_m2 * alike.max(1.0);
-        let Some(offset_m) = &mut self.offset_m else {
+        let Some(offset_m) = self.offset_m else {
             self.offset_m = Some(uwb_m - way_m);
             self.covariance_m2 = uwb_m2;
             return 1.0;
         };
+        let uwb_m2 = uwb_m2 * self.doubt(&(uwb_m - way_m - offset_m), &uwb_m2);
         let both = match self.params.weights {
             Weights::Scalar => Matrix2::identity() * (0.5 * (self.covariance_m2 + uwb_m2).trace()),
             Weights::Matrix => self.covariance_m2 + uwb_m2,
@@ -152,11 +157,18 @@ impl Fusion {
         };
         let Some(inverse) = both.try_inverse() else { return 0.0 };
         let weight = own * inverse;
-        *offset_m += weight * (uwb_m - way_m - *offset_m);
+        self.offset_m = Some(offset_m + weight * (uwb_m - way_m - offset_m));
         let left = Matrix2::identity() - weight;
         self.covariance_m2 =
             left * self.covariance_m2 * left.transpose() + weight * uwb_m2 * weight.transpose();
         0.5 * weight.trace()
+    }
+
+    /// By how much the variance of a position grows that both covariances do not explain: its pull grows no more beyond the bound (Huber 1964).
+    fn doubt(&self, off_m: &Vector2<f64>, uwb_m2: &Matrix2<f64>) -> f64 {
+        let inverse = (self.covariance_m2 + uwb_m2).try_inverse();
+        let nis = inverse.map_or(0.0, |inverse| (off_m.transpose() * inverse * off_m)[(0, 0)]);
+        (nis / self.params.nis_bound).max(1.0)
     }
 
     /// Where somebody is whom dead reckoning has at `way_m`, m, and the covariance, m²; `None` before the first position.

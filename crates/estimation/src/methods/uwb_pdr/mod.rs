@@ -71,7 +71,10 @@ impl UwbPdr {
             solver: Solver::new(params.solver, params.site.as_deref()),
             fusion: Fusion::new(params.fusion, start),
             reckoned: None,
-            height: [params.solver.height_m.unwrap_or(0.0), params.solver.height_sigma_m.powi(2)],
+            height: [
+                params.solver.height_m.unwrap_or(0.0),
+                params.solver.height_sigma_m * params.solver.height_sigma_m,
+            ],
             fixed: None,
             told: None,
             report: UwbPdrReport::default(),

@@ -68,6 +68,8 @@ pub struct RangeTruth {
     pub class: LinkClass,
     /// Power as it arrives, dBm: what a receiver without limits would tell.
     pub power_dbm: f64,
+    /// What obstacles, bends and doors take from the direct path, dB.
+    pub loss_db: f64,
     /// What stood in the way.
     pub blockers: Blockers,
 }
@@ -79,10 +81,14 @@ pub struct Blockers {
     pub rock: bool,
     /// The wearer.
     pub wearer: bool,
-    /// Other people and vehicles.
-    pub others: u8,
-    /// Pillars and machines of the mine's file.
+    /// Other people.
+    pub people: u8,
+    /// Vehicles.
+    pub vehicles: u8,
+    /// Pillars of the mine's file that reach the roof.
     pub pillars: u8,
+    /// Those that do not: machines.
+    pub machines: u8,
     /// Closed doors.
     pub doors: u8,
 }
@@ -103,6 +109,7 @@ pub(crate) struct Heard {
     way_m: f64,
     direct_dbm: f64,
     echoes_dbm: f64,
+    loss_db: f64,
     in_the_way: InTheWay,
 }
 
@@ -176,6 +183,7 @@ impl Tag {
                 path: *path,
                 way_m,
                 direct_dbm: free_dbm - always_db - blocked_db,
+                loss_db: always_db + blocked_db,
                 echoes_dbm: free_dbm + echoes.echoes_db
                     - always_db
                     - echoes.blocked_echo_loss * blocked_db.max(0.0),
@@ -244,11 +252,14 @@ impl Tag {
                 way_m: heard.way_m + detour.excess_m,
                 class: class(late_taps, rock, obstructed),
                 power_dbm: found.power_dbm,
+                loss_db: heard.loss_db,
                 blockers: Blockers {
                     rock,
                     wearer: heard.in_the_way.wearer,
-                    others: heard.in_the_way.others,
+                    people: heard.in_the_way.people,
+                    vehicles: heard.in_the_way.vehicles,
                     pillars: heard.in_the_way.pillars,
+                    machines: heard.in_the_way.machines,
                     doors: heard.path.doors,
                 },
             },
