@@ -92,7 +92,7 @@ pub fn learn(known: &[KnownRange]) -> Result<Learnt, TuningError> {
     }
     let all = Rows::of(known, |_| true);
     if all.groups() < 2 {
-        return Err(TuningError::OneGroup { found: all.groups() });
+        return Err(TuningError::FewGroups { found: all.groups(), expected: 2 });
     }
     let straight = Rows::of(known, KnownRange::is_straight);
     let nlos = Rows::of(known, KnownRange::is_not_straight);
@@ -112,9 +112,13 @@ pub fn learn(known: &[KnownRange]) -> Result<Learnt, TuningError> {
     })
 }
 
-/// Corrects every range by what is learnt from other groups; everything, the choices too, is made anew without them.
+/// Corrects every range by what is learnt from other groups; everything, the choices too, is made anew without them. Of three groups or
+/// more.
 pub fn held_out(known: &[KnownRange]) -> Result<Vec<HeldOut>, TuningError> {
     let folds = folds::of_groups(known);
+    if folds.len() < 3 {
+        return Err(TuningError::FewGroups { found: folds.len(), expected: 3 });
+    }
     let learnt = folds.par_iter().map(|fold| {
         let kept: Vec<KnownRange> = known.iter().filter(|one| !fold.contains(&one.group)).cloned().collect();
         Ok((fold, learn(&kept)?.correction))
