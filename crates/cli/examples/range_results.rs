@@ -42,19 +42,17 @@ fn main() -> Result<()> {
 fn row(text: &mut String, (name, held): (&str, &str), one: &Value, learnt: &Value) -> Result<()> {
     let errors = |kind: &str| {
         let value = |name: &str| one[kind][name].as_f64();
-        match (value("mae_m"), value("rmse_m"), value("p95_m")) {
-            (Some(mae), Some(rmse), Some(most)) => format!("{mae:.3} / {rmse:.3} / {most:.3}"),
-            _ => String::new(),
+        let all = (value("mae_m"), value("rmse_m"), value("p95_m"));
+        if let (Some(mae), Some(rmse), Some(most)) = all {
+            format!("{mae:.3} / {rmse:.3} / {most:.3}")
+        } else {
+            String::new()
         }
     };
     let class = one["class"].as_str();
-    let (label, chosen) = match class {
-        Some(class) => (format!("– {class}"), String::new()),
-        None => {
-            let of = |part: &str| learnt[part]["chosen"].as_str().unwrap_or_default().to_owned();
-            (format!("{name}, {held}"), format!("{}; {}", of("offsets"), of("unjudged")))
-        }
-    };
+    let of = |part: &str| learnt[part]["chosen"].as_str().unwrap_or_default().to_owned();
+    let all = || (format!("{name}, {held}"), format!("{}; {}", of("offsets"), of("unjudged")));
+    let (label, chosen) = class.map_or_else(all, |class| (format!("– {class}"), String::new()));
     let ranges = one["ranges"].as_u64().context("no ranges")?;
     let square = one["normalised_square"].as_f64().context("no normalised_square")?;
     writeln!(
