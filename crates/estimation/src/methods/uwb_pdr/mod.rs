@@ -6,7 +6,7 @@
 //! gyro, acc, mag    → steps, length, direction (methods::pdr) ── aligned ───┘
 //! ```
 //!
-//! Z_p is the last fused position carried on by the steps since. The paper sets the weights "by the relative accuracy of the two methods" in the recognised
+//! `Z_p` is the last fused position carried on by the steps since. The paper sets the weights "by the relative accuracy of the two methods" in the recognised
 //! [`Environment`] and prints no number; here they are the inverse variances of both ([`fusion`]): `ω_u = σ_p²/(σ_p² + σ_u²)`.
 //!
 //! One solution for every epoch of ranges and for every step. Solutions come as late as those of `pdr`: an epoch waits for the step around it.
