@@ -120,17 +120,21 @@ fn offsets_are_found_with_the_place() {
     let params = FilterParams { height: at_height(1.1, 0.05), ..FilterParams::default() };
     let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(1));
     let offsets = [0.45, 0.38, 0.42, 0.35];
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut squares): (f64, f64) = (0.0, 0.0);
     for tick in 0..4800_u32 {
         let (time_s, anchor) = (0.025 * f64::from(tick), (tick % 4) as usize);
         let distance = (round(time_s) - place(LAB[anchor])).norm();
         filter.observe(&link(&LAB, anchor, time_s, distance + offsets[anchor] + noise.draw(0.05), 0.08), 0);
         if time_s > 60.0 {
-            worst = worst.max((filter.solution().unwrap().position_m - round(time_s)).xy().norm());
+            let found = filter.solution().unwrap();
+            let (off, told) =
+                ((found.position_m - round(time_s)).xy(), found.covariance.fixed_view::<2, 2>(0, 0));
+            squares += off.norm_squared();
+            worst = worst.max(off.dot(&told.cholesky().unwrap().solve(&off)));
         }
     }
-    // Noise of 5 cm taken for 8 cm, four ranges in 0.1 s, a second of memory.
-    assert!(worst < 0.15, "{worst}");
+    // χ² with two degrees of freedom: 99.99 % are below 18.4; noise of 5 cm is taken for 4 cm and for 7 cm that passes.
+    assert!(worst < 18.4 && (squares / 2400.0).sqrt() < 0.08, "{worst} {squares}");
     let found: Vec<_> = filter.offsets().collect();
     assert_eq!(found.len(), 4);
     for (anchor, _, found) in found {
@@ -290,39 +294,64 @@ fn who_was_carried_away_unheard_is_found_again() {
     }
 }
 
-/// Anchors on a vehicle, nearly in a row: both sides of it fit a first window alike.
+/// Anchors on a vehicle, three of them in a plane; the fourth tells the side by 0.3 m, and somebody stands before it for the first 3 s, which makes it tell the other one.
 #[test]
 fn the_right_side_of_a_vehicle_is_found_by_walking() {
-    let vehicle = [[0.0, 0.0, 1.9], [4.0, 0.05, 1.9], [2.0, 0.1, 0.6], [3.0, -0.1, 1.2]];
+    let vehicle = [[2.6, 0.9, 2.0], [2.6, -0.9, 2.0], [2.6, -0.9, 0.5], [2.3, 0.9, 0.5]];
     let params = FilterParams { height: at_height(1.0, 0.2), ..FilterParams::default() };
-    let (mut settled, mut other_sides, mut ambiguous) = (0, 0, 0);
+    let (mut other_sides, mut ambiguous) = (0, 0);
     for seed in 0..20_u64 {
         let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(seed));
-        let truth = |time_s: f64| {
-            let angle = -1.5 + 0.05 * time_s;
-            Vector3::new(2.0 + 6.0 * angle.cos(), 6.0 * angle.sin(), 1.0)
-        };
+        let truth =
+            |time_s: f64| Vector3::new(-3.4 + 2.0 * (0.2 * time_s).sin(), 5.0 * (0.1 * time_s).cos(), 1.0);
         let mut doubt_m: f64 = 0.0;
         for tick in 0..4800_u32 {
             let (time_s, anchor) = (0.025 * f64::from(tick), (tick % 4) as usize);
             let distance = (truth(time_s) - place(vehicle[anchor])).norm();
-            filter.observe(&link(&vehicle, anchor, time_s, distance + noise.draw(0.05), 0.08), 0);
+            let behind = if anchor == 3 && time_s < 3.0 { 0.5 } else { 0.0 };
+            filter.observe(&link(&vehicle, anchor, time_s, distance + behind + noise.draw(0.05), 0.08), 0);
             if let Some(first) = filter.solution().filter(|_| time_s < 2.0) {
-                doubt_m = doubt_m.max(first.covariance[(1, 1)].sqrt());
+                doubt_m = doubt_m.max(first.covariance[(0, 0)].sqrt());
             }
         }
         let off = filter.solution().unwrap().position_m - truth(119.975);
-        settled += u32::from(off.xy().norm() < 1.0);
+        // The mirror image is 12 m away.
+        assert!(off.xy().norm() < 3.0, "{seed}: {off} {:?}", filter.report());
         other_sides += filter.report().other_sides;
         if filter.report().ambiguous_starts > 0 {
             ambiguous += 1;
-            // The other side is 12 m away, and about as likely.
             assert!(doubt_m > 2.0, "{seed}: {doubt_m}");
         }
     }
-    assert_eq!(settled, 20);
-    // Without a second place to follow, some would have stayed where they began.
-    assert!(other_sides > 0 && ambiguous > 10, "{other_sides} {ambiguous}");
+    // Without a second place to follow, most would have stayed where they began.
+    assert!(other_sides > 10 && ambiguous > 15, "{other_sides} {ambiguous}");
+}
+
+/// Four anchors in one plane, and the tag told to be in it: what is below and what is above have the same ranges.
+#[test]
+fn an_estimate_across_a_mirror_is_both_its_sides() {
+    let ceiling = LAB.map(|[x, y, _]| [x, y, 2.0]);
+    let params = FilterParams {
+        height: HeightParams { below_anchors_m: 0.0, ..HeightParams::default() },
+        // What all ranges read too long looks much like a height.
+        errors: ErrorParams { common_offset_sigma_m: 0.05, ..ErrorParams::default() },
+        ..FilterParams::default()
+    };
+    let (mut filter, mut noise) = (filter(params, WeightingKind::Igg3), Normal::new(12));
+    let truth = |time_s: f64| round(time_s).xy().push(-0.5);
+    filter.start_at(seconds(0.0), truth(0.0).xy().push(2.0), &(Matrix3::identity() * 4.0));
+    for tick in 0..1200_u32 {
+        let (time_s, anchor) = (0.025 * f64::from(tick), (tick % 4) as usize);
+        let distance = (truth(time_s) - place(ceiling[anchor])).norm();
+        filter.observe(&link(&ceiling, anchor, time_s, distance + noise.draw(0.05), 0.08), 0);
+    }
+    let (found, end) = (filter.solution().unwrap(), truth(29.975));
+    assert!(filter.report().partings > 0, "{:?}", filter.report());
+    let off = found.position_m - end;
+    let sides = [off, off - Vector3::z() * 5.0];
+    assert!(sides.iter().any(|side| side.norm() < 1.0), "{off}");
+    // Half of the probability is 5 m away.
+    assert!(found.covariance[(2, 2)].sqrt() > 2.0, "{}", found.covariance[(2, 2)]);
 }
 
 #[test]
@@ -365,9 +394,8 @@ fn dead_reckoning_carries_the_place_and_ranges_turn_it_right() {
     assert!(off.norm() < 1.0 && off.norm() < 3.0 * expected, "{off} {expected}");
 }
 
-/// By hand: one step of 2 m east by a path that is turned by 90° and a tenth too short goes 2.2 m north.
 #[test]
-fn a_step_is_turned_and_stretched() {
+fn a_step_that_is_sure_adds_nothing_uncertain() {
     let params = FilterParams {
         reckoning: ReckoningParams {
             heading_sigma_deg: 0.0,
@@ -383,7 +411,6 @@ fn a_step_is_turned_and_stretched() {
     filter.propagate_by(&Vector2::new(2.0, 0.0), seconds(0.5));
     let there = filter.solution().unwrap();
     assert!((there.position_m - Vector3::new(3.0, 2.0, 3.0)).norm() < 1e-12, "{}", there.position_m);
-    // Nothing of it is uncertain, and nothing is added.
     assert!((there.covariance[(0, 0)] - 1.0).abs() < 1e-12 && (there.covariance[(1, 1)] - 1.0).abs() < 1e-12);
 }
 
@@ -450,10 +477,16 @@ fn a_run_in_two_halves_is_the_whole_run() {
     for kind in [WeightingKind::Igg3, WeightingKind::Adaptive] {
         let mut whole = filter(params, kind);
         let mut first = filter(params, kind);
-        ranges.iter().for_each(|one| drop(whole.observe(one, 0)));
-        ranges[..133].iter().for_each(|one| drop(first.observe(one, 0)));
+        ranges.iter().for_each(|one| {
+            whole.observe(one, 0);
+        });
+        ranges[..133].iter().for_each(|one| {
+            first.observe(one, 0);
+        });
         let mut second: RangeFilter = serde_json::from_str(&serde_json::to_string(&first).unwrap()).unwrap();
-        ranges[133..].iter().for_each(|one| drop(second.observe(one, 0)));
+        ranges[133..].iter().for_each(|one| {
+            second.observe(one, 0);
+        });
         assert_eq!(whole, second);
     }
 }

@@ -26,7 +26,9 @@ pub struct FilterReport {
     pub recovered: u64,
     /// Starts, and new ones, with a mirror image that explained the ranges as well at first.
     pub ambiguous_starts: u64,
-    /// Of these, such as were settled for the mirror image.
+    /// Times that the estimate lay across the mirror of its anchors and both sides were followed.
+    pub partings: u64,
+    /// Times that the mirror image proved the likelier one.
     pub other_sides: u64,
     /// Sum of the normalised innovations squared of the ranges that counted in full: χ² with as many degrees of freedom.
     pub nis_sum: f64,

@@ -93,7 +93,7 @@ impl Gate {
     }
 
     /// Whether so many were refused that the filter may be lost.
-    pub fn doubts(&self, params: &GateParams) -> bool {
+    pub fn doubts(self, params: &GateParams) -> bool {
         params.kind == GateKind::Recovering && self.halves > params.watch_after.saturating_mul(2)
     }
 

@@ -11,7 +11,8 @@
 //! of dead reckoning, turned by δ and stretched by k.
 //!
 //! Weightings and gates are settings of the same filter: [`weighting`], [`gate`]. The start: several robust fits in a row that agree.
-//! Mirror images are both followed until one explains the ranges better than the other by a margin; until then the covariance holds both.
+//! Mirror images are both followed until one explains the ranges better than the other by a margin; until then the covariance holds both. So are both sides of the plane, wall or
+//! row of the anchors when the estimate comes to lie across it: a normal distribution over both is parted into two with the same moments (`DeMars`, Bishop & Jah 2013).
 //!
 //! Frame: that of the anchors, z up. Units: m, s, m/s.
 //! Limits: offsets can only be told from a place that is off where the tag walks about among the anchors; anchors in one plane leave the sign of the height
@@ -46,12 +47,12 @@ const ANY_ANGLE_RAD: f64 = 1.8138;
 const HELD_S: f64 = 2.0;
 /// Degrees of freedom of Student's t by which two places are compared: one wrong range must not decide.
 const DOF: f64 = 4.0;
-/// Two places are compared for so long, s.
-const UNDECIDED_S: f64 = 120.0;
-/// Normalised distance squared of two places below which they are one: χ² with three degrees of freedom, 10 %.
-const SAME: f64 = 0.58;
-/// The same above which the filter is elsewhere: 1 %.
-const FAR: f64 = 11.3;
+/// Two places are compared for so long at least, s: errors that pass must not decide.
+const LEAST_UNDECIDED_S: f64 = 10.0;
+/// Only after this does an estimate lie across a mirror, s: anchors not yet heard may tell the sides apart.
+const FIRST_LOOK_S: f64 = 2.0;
+/// By so much the other place has to be more likely, difference of logarithms, to be believed: noise must not make the solution jump to and fro.
+const CHANGE_OF_MIND: f64 = 2.0;
 /// Largest factor by which a prediction is believed less at once.
 const MOST_FADING: f64 = 4.0;
 /// How old a range may be, s, when a later one was taken already: those of two tags on one carrier come so.
@@ -87,8 +88,8 @@ pub struct RangeFilter {
     believed: Option<Hypothesis>,
     /// Its mirror image.
     other: Option<Hypothesis>,
-    /// Since when there is one.
-    undecided: Option<Time>,
+    /// When that was begun with, or the only place was.
+    parted: Time,
     /// Time of the last range that counted.
     held: Option<Time>,
     report: FilterReport,
@@ -155,7 +156,7 @@ impl RangeFilter {
             starter: Starter::default(),
             believed: None,
             other: None,
-            undecided: None,
+            parted: Time::default(),
             held: None,
             report: FilterReport::default(),
         })
@@ -165,7 +166,7 @@ impl RangeFilter {
     pub fn start_at(&mut self, time: Time, place_m: Vector3<f64>, covariance_m2: &Matrix3<f64>) {
         self.believed = Some(Hypothesis::new(State::at(time, place_m, covariance_m2, &self.params)));
         self.other = None;
-        self.undecided = None;
+        self.parted = time;
         self.held = Some(time);
     }
 
@@ -194,8 +195,9 @@ impl RangeFilter {
         let doubts = believed.gate.doubts(&self.params.gate);
         if let Some(other) = &mut self.other {
             other.observe(link, tag, &self.params, &self.weighting);
-            self.decide(link.time);
+            self.decide();
         }
+        self.part();
         if doubts {
             self.recover();
         } else {
@@ -219,28 +221,26 @@ impl RangeFilter {
     }
 
     fn begin(&mut self) {
-        let Some(start) = self.starter.look(&self.params) else { return };
+        let unknown = OffsetFound { offset_m: 0.0, sigma_m: self.params.errors.common_offset_sigma_m };
+        let Some(start) = self.starter.look(unknown, &self.params) else { return };
         self.start_at(start.time, start.place_m, &start.covariance_m2);
         self.follow_image(&start);
     }
 
     fn follow_image(&mut self, start: &Start) {
+        self.parted = start.time;
         self.other = start.other_m.map(|place_m| {
             self.report.ambiguous_starts += 1;
             Hypothesis::new(State::at(start.time, place_m, &start.covariance_m2, &self.params))
         });
-        self.undecided = self.other.as_ref().map(|_| start.time);
     }
 
     /// Where fits agree with each other and not with the filter, it goes there.
     fn recover(&mut self) {
-        let (Some(start), Some(believed)) = (self.starter.look(&self.params), &mut self.believed) else {
-            return;
-        };
-        let away = start.place_m - believed.state.place_m();
-        let both = believed.state.place_covariance_m2() + start.covariance_m2;
-        let far = both.cholesky().is_none_or(|root| away.dot(&root.solve(&away)) > FAR);
-        if !far {
+        let Some(believed) = &mut self.believed else { return };
+        let common = believed.state.common_offset();
+        let Some(start) = self.starter.look(common, &self.params) else { return };
+        if !self.starter.is_better(&start, &believed.state.place_m(), common, &self.params) {
             believed.gate.calm(&self.params.gate);
             return;
         }
@@ -254,20 +254,34 @@ impl RangeFilter {
     }
 
     /// Which of both places explains the ranges better.
-    fn decide(&mut self, now: Time) {
+    fn decide(&mut self) {
         let (Some(believed), Some(other)) = (&mut self.believed, &mut self.other) else { return };
-        let ahead = other.cost - believed.cost;
-        let away = other.state.place_m() - believed.state.place_m();
-        let both = other.state.place_covariance_m2() + believed.state.place_covariance_m2();
-        let same = both.cholesky().is_some_and(|root| away.dot(&root.solve(&away)) < SAME);
-        if ahead < 0.0 && !same {
+        let same = believed.state.is_as(&other.state);
+        if other.cost < believed.cost - CHANGE_OF_MIND && !same {
             core::mem::swap(believed, other);
-            self.report.other_sides = self.report.other_sides.wrapping_add(1);
+            self.report.other_sides += 1;
         }
-        let since = self.undecided.map_or(0.0, |since| (now - since).seconds());
-        if same || ahead.abs() > self.params.start.margin || since > UNDECIDED_S {
+        let for_s = (believed.state.time - self.parted).seconds();
+        let decided =
+            (other.cost - believed.cost).abs() > self.params.start.margin && for_s > LEAST_UNDECIDED_S;
+        if same || decided {
             self.other = None;
-            self.undecided = None;
+        }
+    }
+
+    /// Where the estimate lies across the mirror of its anchors, both sides are followed.
+    fn part(&mut self) {
+        if self.other.is_some() {
+            return;
+        }
+        let Some(believed) = &mut self.believed else { return };
+        if (believed.state.time - self.parted).seconds() < FIRST_LOOK_S {
+            return;
+        }
+        if let Some(image) = believed.state.part(&self.params.errors) {
+            self.parted = believed.state.time;
+            self.other = Some(Hypothesis { state: image, ..believed.clone() });
+            self.report.partings += 1;
         }
     }
 

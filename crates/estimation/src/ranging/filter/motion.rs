@@ -1,6 +1,6 @@
 //! How people move between two ranges, in closed form.
 //!
-//! Level: the velocity is a first-order Gauss–Markov process (Singer 1970 of one order less), `v̇ = −v/T + w`, of standard deviation σ_v:
+//! Level: the velocity is a first-order Gauss–Markov process (Singer 1970 of one order less), `v̇ = −v/T + w`, of standard deviation `σ_v`:
 //!
 //! ```text
 //! Φ = | 1  T(1−φ) |   φ = exp(−Δt/T),   q = 2 σ_v²/T
@@ -11,14 +11,14 @@
 //!
 //! Where nothing is heard the place is lost as that of a random walk, `σ² → 2 σ_v² T Δt`, not as that of a runaway.
 //!
-//! Height: the critically damped second-order Gauss–Markov process about a mean (Gelb 1974, §3.8), of standard deviation σ_h, its rate σ_c, `ω = σ_c/σ_h`:
+//! Height: the critically damped second-order Gauss–Markov process about a mean (Gelb 1974, §3.8), of standard deviation `σ_h`, its rate `σ_c`, `ω = σ_c/σ_h`:
 //!
 //! ```text
 //! Φ = e^(−ωΔt) | 1+ωΔt    Δt   |    Q = Π − Φ Π Φᵀ,   Π = diag(σ_h², σ_c²)
 //!              | −ω²Δt   1−ωΔt |
 //! ```
 //!
-//! It never forgets the mean and never walks away from it: a height that is known, near a mean or free is σ_h of millimetres, of a
+//! It never forgets the mean and never walks away from it: a height that is known, near a mean or free is `σ_h` of millimetres, of a
 //! metre or of a kilometre.
 
 use super::params::FilterParams;

@@ -115,7 +115,7 @@ impl Default for ErrorParams {
         Self {
             least_sigma_m: 0.04,
             passing_sigma_m: 0.07,
-            correlation_s: 1.5,
+            correlation_s: 0.7,
             anchor_offset_sigma_m: 0.04,
             offset_s: 3600.0,
             common_offset_sigma_m: 0.3,

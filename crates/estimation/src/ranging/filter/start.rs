@@ -4,6 +4,7 @@
 //! to from the one before it, and explains most of its ranges.
 
 use super::params::FilterParams;
+use super::state::OffsetFound;
 use crate::ranging::fit::{FitParams, fit};
 use crate::ranging::listener::Link;
 use crate::ranging::{Height, RangeModel, Ranged, RangingFix};
@@ -14,9 +15,11 @@ use serde::{Deserialize, Serialize};
 
 /// Ranges of a window at most; of more, the newest.
 const MOST: usize = 32;
-/// Share of the ranges of a window that a fit has to explain.
-const EXPLAINED: f64 = 0.7;
-/// Standard deviations within which it does.
+/// Share of the ranges of a window that a fit has to explain: most of them.
+const EXPLAINED: f64 = 0.55;
+/// Share of them by which one place is clearly better than another.
+const CLEARLY: f64 = 0.2;
+/// Standard deviations within which a range is explained.
 const WITHIN: f64 = 3.0;
 
 /// A range of the window.
@@ -37,6 +40,8 @@ pub(super) struct Start {
     pub covariance_m2: Matrix3<f64>,
     /// The mirror image.
     pub other_m: Option<Vector3<f64>>,
+    /// Ranges of the window that the place explains.
+    explained: usize,
 }
 
 /// The window and the fits so far.
@@ -65,13 +70,14 @@ impl Starter {
         self.agreeing = 0;
     }
 
-    /// A fit of the window, not more than one in a third of it; a start where enough of them agree.
-    pub fn look(&mut self, params: &FilterParams) -> Option<Start> {
+    /// By what all ranges are off is what is known of it. A fit of the window, not more than one in a third of it; a start where enough of them agree.
+    pub fn look(&mut self, common: OffsetFound, params: &FilterParams) -> Option<Start> {
         let now = self.heard.last()?.time;
         if self.last.is_some_and(|(then, _)| (now - then).seconds() < params.start.window_s / 3.0) {
             return None;
         }
-        let fresh = self.fit(params);
+        let ranges = self.ranges(common, params);
+        let fresh = self.fit(&ranges, params);
         let agrees = match (&fresh, &self.last) {
             (Some(fresh), Some((then, before))) => {
                 let reach = 3.0 * params.motion.speed_m_s * (now - *then).seconds();
@@ -95,10 +101,38 @@ impl Starter {
                 None => fix.covariance_m2 + Matrix3::identity() * own,
             },
             other_m: fix.other_m,
+            explained: explained(&ranges, &fix.position_m),
         })
     }
 
-    fn fit(&self, params: &FilterParams) -> Option<RangingFix> {
+    /// Whether a start explains clearly more of the window than another place does.
+    pub fn is_better(
+        &self,
+        start: &Start,
+        place_m: &Vector3<f64>,
+        common: OffsetFound,
+        params: &FilterParams,
+    ) -> bool {
+        let ranges = self.ranges(common, params);
+        let gain = start.explained as f64 - explained(&ranges, place_m) as f64;
+        gain >= CLEARLY * ranges.len() as f64
+    }
+
+    /// The window, each range with all that it may be off by.
+    fn ranges(&self, common: OffsetFound, params: &FilterParams) -> Vec<Ranged> {
+        let errors = &params.errors;
+        let sigmas = [errors.passing_sigma_m, errors.anchor_offset_sigma_m, common.sigma_m];
+        let beside = sigmas.iter().map(|sigma| sigma * sigma).sum::<f64>();
+        let ranged = |one: &Heard| {
+            let sigma_m = libm::sqrt(one.model.sigma_m * one.model.sigma_m + beside);
+            let offset_m = one.model.offset_m + one.model.scale * common.offset_m;
+            let model = RangeModel { offset_m, sigma_m, ..one.model };
+            Ranged { position_m: one.position_m, model, range_m: one.range_m }
+        };
+        self.heard.iter().map(ranged).collect()
+    }
+
+    fn fit(&self, ranges: &[Ranged], params: &FilterParams) -> Option<RangingFix> {
         let anchors = self
             .heard
             .iter()
@@ -110,26 +144,17 @@ impl Starter {
             return None;
         }
         let mean_m = params.height.mean_m(Some(height / count as f64))?;
-        let errors = &params.errors;
-        let common = [errors.passing_sigma_m, errors.anchor_offset_sigma_m, errors.common_offset_sigma_m]
-            .iter()
-            .map(|sigma| sigma * sigma)
-            .sum::<f64>();
-        let ranges: Vec<Ranged> = self
-            .heard
-            .iter()
-            .map(|one| {
-                let sigma_m = libm::sqrt(one.model.sigma_m * one.model.sigma_m + common);
-                let model = RangeModel { sigma_m, ..one.model };
-                Ranged { position_m: one.position_m, model, range_m: one.range_m }
-            })
-            .collect();
         let height = Height::Near { mean_m, sigma_m: params.height.told_sigma_m() };
-        let fix = fit(&ranges, None, &FitParams { height, ..FitParams::default() })?;
-        let explained = ranges.iter().filter(|one| {
-            let off = (fix.position_m - one.position_m).norm() - one.distance_m().0;
-            off.abs() < WITHIN * one.model.sigma_m
-        });
-        (explained.count() as f64 >= EXPLAINED * ranges.len() as f64).then_some(fix)
+        let fix = fit(ranges, None, &FitParams { height, ..FitParams::default() })?;
+        (explained(ranges, &fix.position_m) as f64 >= EXPLAINED * ranges.len() as f64).then_some(fix)
     }
+}
+
+/// How many ranges a place explains.
+fn explained(ranges: &[Ranged], place_m: &Vector3<f64>) -> usize {
+    let explains = |one: &&Ranged| {
+        let off = (place_m - one.position_m).norm() - one.distance_m().0;
+        off.abs() < WITHIN * one.model.sigma_m
+    };
+    ranges.iter().filter(explains).count()
 }

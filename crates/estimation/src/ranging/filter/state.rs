@@ -29,6 +29,15 @@ const PASSING: usize = 9 + SLOTS;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
+/// Normalised distance squared in place and velocity below which two estimates are one: χ² with six degrees of freedom, 1 %.
+const SAME: f64 = 0.87;
+/// An estimate that is surer than this, m, is not parted.
+const LEAST_PARTED_M: f64 = 0.4;
+/// β: how far both go, in standard deviations; what is left of the variance is 1 − β².
+const PARTED: f64 = 0.9;
+/// Any three anchors lie in a plane: the next ones may tell the sides apart.
+const LEAST_MIRROR: f64 = 4.0;
+
 type Vector = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
 
@@ -37,9 +46,9 @@ type Covariance = SMatrix<f64, STATES, STATES>;
 struct Slot {
     /// Which anchor, in the list of the site.
     anchor: usize,
+    position_m: Vector3<f64>,
     /// Which of the tags of a carrier.
     tag: usize,
-    height_m: f64,
     heard: Time,
 }
 
@@ -118,7 +127,7 @@ impl State {
         self.p.column_mut(index).fill(0.0);
     }
 
-    /// Elsewhere, but with the same radio: offsets stay.
+    /// Elsewhere, by a fit.
     pub fn moved_to(&mut self, place_m: &Vector3<f64>, place_m2: &Matrix3<f64>, params: &FilterParams) {
         self.x.fixed_rows_mut::<3>(0).copy_from(place_m);
         (0..3).for_each(|axis| self.forget(axis));
@@ -173,7 +182,7 @@ impl State {
     fn hung_m(&self) -> Option<f64> {
         let held = || self.slots.iter().flatten();
         let count = held().count();
-        (count > 0).then(|| held().map(|slot| slot.height_m).sum::<f64>() / count as f64)
+        (count > 0).then(|| held().map(|slot| slot.position_m.z).sum::<f64>() / count as f64)
     }
 
     /// To a later time, by what is known of how people move; an earlier one changes nothing.
@@ -280,7 +289,8 @@ impl State {
     fn slot(&mut self, link: &Link, tag: usize, errors: &ErrorParams) -> (usize, bool) {
         let same = |held: Slot| (held.anchor, held.tag) == (link.anchor, tag);
         let known = self.slots.iter().position(|held| held.is_some_and(same));
-        let fresh = Slot { anchor: link.anchor, tag, height_m: link.ranged.position_m.z, heard: link.time };
+        let position_m = link.ranged.position_m;
+        let fresh = Slot { anchor: link.anchor, position_m, tag, heard: link.time };
         if let Some(slot) = known {
             self.slots[slot] = Some(fresh);
             return (slot, false);
@@ -356,6 +366,59 @@ impl State {
                 self.p[(column, row)] = value;
             }
         }
+    }
+
+    /// Whether it is the same estimate as another, in place and velocity.
+    pub fn is_as(&self, other: &Self) -> bool {
+        let away = (self.x - other.x).fixed_rows::<6>(0).into_owned();
+        let both = self.motion_covariance() + other.motion_covariance();
+        both.cholesky().is_some_and(|root| away.dot(&root.solve(&away)) < SAME)
+    }
+
+    /// Where the estimate lies across the plane, wall or row of its anchors, it goes to one side of it; the estimate on the other side.
+    ///
+    /// `x ± β P n/σ`, `P ← P − β² P n nᵀ P/σ²`, `σ² = nᵀ P n`, n the direction in which the place is most uncertain: the two have together the mean and the covariance of
+    /// the one. Only where ranges to the anchors cannot tell the two apart.
+    pub fn part(&mut self, errors: &ErrorParams) -> Option<Self> {
+        if self.place_covariance_m2().trace() < LEAST_PARTED_M * LEAST_PARTED_M {
+            return None;
+        }
+        let eigen = self.place_covariance_m2().symmetric_eigen();
+        let at = eigen.eigenvalues.imax();
+        let (normal, sigma) = (eigen.eigenvectors.column(at).into_owned(), root(eigen.eigenvalues[at]));
+        if sigma < LEAST_PARTED_M {
+            return None;
+        }
+        let mut along = Vector::zeros();
+        for axis in 0..3 {
+            along += self.p.column(axis) * normal[axis];
+        }
+        let step = along * (PARTED / sigma);
+        let variance = square(errors.passing_sigma_m) + square(errors.anchor_offset_sigma_m);
+        if !self.looks_alike(&step.fixed_rows::<3>(0).into_owned(), variance) {
+            return None;
+        }
+        self.p -= step * step.transpose();
+        let mut image = self.clone();
+        // Down first: anchors hang above people.
+        let down = if step[2] > 0.0 { -step } else { step };
+        self.x += down;
+        image.x -= down;
+        Some(image)
+    }
+
+    /// Whether the places a step to both sides of the estimate have the same ranges to the anchors, and others than the estimate has: by more than this variance, m².
+    fn looks_alike(&self, step_m: &Vector3<f64>, variance_m2: f64) -> bool {
+        let [here, between, there] = [1.0, 0.0, -1.0].map(|share| self.place_m() + step_m * share);
+        let held = || self.slots.iter().flatten();
+        let count = held().count() as f64;
+        let (mut apart, mut bent) = (0.0, 0.0);
+        for slot in held() {
+            let [here, between, there] = [here, between, there].map(|place| (place - slot.position_m).norm());
+            apart += square(here - there) / count;
+            bent += (0.5 * (here + there) - between) / count;
+        }
+        count >= LEAST_MIRROR && apart < variance_m2 && bent * bent > variance_m2
     }
 
     /// The place may be off by this, standard deviation, m, and the velocity is open.

@@ -69,7 +69,7 @@ impl Default for Weighting {
     fn default() -> Self {
         Self {
             kind: WeightingKind::Igg3,
-            full: 1.0,
+            full: 1.5,
             none: 5.0,
             memory: 0.95,
             window: 16,
