@@ -1,4 +1,4 @@
-//! Position from differences of arrival (TDoA), in space.
+//! Position from differences of arrival (`TDoA`), in space.
 //!
 //! ```text
 //! d_i = (‖p − p_i‖ + e_i) − (‖p − p_0‖ + e_0),   i = 1 … n

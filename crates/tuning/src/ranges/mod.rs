@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Each step is a choice among candidates from plain to rich ([`choice`]), made by ranges of groups (places, geometries, walks) that the candidate has not
-//! seen, never by random rows: ranges of one place are near copies, and whatever has seen one knows the others. A richer candidate has to beat a
+//! seen, never by random rows: ranges of one place are near copies, and whatever has seen one knows the others. A richer kind of candidate has to beat a
 //! plainer one by more than the standard error of the difference over the groups (Breiman, Friedman, Olshen & Stone 1984, the one-standard-error
-//! rule); the plainest is to take nothing off. So a correction that does not generalise is not made.
+//! rule); the plainest is to take nothing off. So a correction that does not generalise is not made. Among equally rich ones the best is taken.
 //!
 //! Fits minimise absolute errors, which a range that came round three corners does not move, and each link (group and anchor) weighs the same.
 //! Standard deviations are those of the ranges held out.

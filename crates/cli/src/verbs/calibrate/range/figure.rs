@@ -10,6 +10,9 @@ use adit_tuning::ranges::{HeldOut, KnownRange};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 
+/// Which ranges are of a kind.
+type Wanted = fn(&KnownRange) -> bool;
+
 /// Errors over what the model of signals that nobody has judged goes by, and their sizes before and after.
 pub fn of(
     paths: &[PathBuf],
@@ -19,7 +22,7 @@ pub fn of(
 ) -> Result<String> {
     let curve = correction.unjudged.curve.as_ref();
     let by = curve.map_or(Diagnostic::Range, |curve| curve.of);
-    let kinds: [(&str, fn(&KnownRange) -> bool); 3] = [
+    let kinds: [(&str, Wanted); 3] = [
         ("not straight", |one| one.class.is_some_and(|class| class != LinkClass::Los)),
         ("straight", |one| one.class == Some(LinkClass::Los)),
         ("ranges", |one| one.class.is_none()),
