@@ -372,7 +372,9 @@ impl State {
                 add(VELOCITY + axis, -toward[axis] * age);
             }
         }
-        errors.iter().for_each(|index| add(*index, 1.0));
+        for index in errors {
+            add(index, 1.0);
+        }
         let mut seen = errors.iter().map(|index| cross[*index]).sum::<f64>();
         for axis in 0..3 {
             seen += toward[axis] * (cross[axis] - age * cross[VELOCITY + axis]);
