@@ -69,7 +69,8 @@ pub struct UwbFilterParams<V: Variant> {
     #[serde(skip)]
     pub site: Option<Arc<RadioSite>>,
     #[serde(skip)]
-    pub(super) variant: PhantomData<V>,
+    /// Which of the three.
+    pub variant: PhantomData<V>,
 }
 
 impl<V: Variant> Default for UwbFilterParams<V> {
