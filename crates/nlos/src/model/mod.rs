@@ -6,15 +6,14 @@ mod record;
 pub use record::{DataRecord, HeldOutRecord, NetworkRecord, Record, ScoreRecord};
 
 use crate::baseline::Baseline;
-use crate::calibration;
+use crate::calibration::{self, Logits};
 use crate::error::NlosError;
 use crate::features;
 use crate::network::{Network, Scratch};
+use crate::task::{MOST_CLASSES, Task};
 use crate::window::{self, Window};
 use adit_observation::Reception;
 
-/// Most classes there are.
-pub const MOST_CLASSES: usize = 3;
 /// Layout of the file.
 pub(crate) const VERSION: u32 = 1;
 
@@ -24,6 +23,8 @@ pub type Probabilities = [f32; MOST_CLASSES];
 /// A classifier.
 #[derive(Debug, Clone)]
 pub struct Model {
+    /// What it tells apart.
+    pub task: Task,
     /// What it says of itself.
     pub record: Record,
     /// What features made by hand tell.
@@ -68,20 +69,25 @@ impl Model {
             (Some(network), Some(record)) if window.is_some() || !network.looks_at_window() => {
                 let mut scores = [0.0; features::COUNT];
                 self.baseline.write_scores(features, &mut scores);
-                let mut logits = [0.0; 2];
-                let asked = &mut logits[..network.head.outputs().min(2)];
+                let mut logits = Logits::default();
+                let asked = &mut logits[..self.task.questions()];
                 network.logits(&scores[..self.baseline.used.len()], window, scratch, asked);
                 (logits, &record.scalings)
             }
             _ => (self.baseline.logits(features), &self.record.baseline_scalings),
         };
-        calibration::probabilities(logits, scalings, self.record.classes.len())
+        calibration::probabilities(logits, scalings, self.task.classes().len())
     }
 
     /// The same of the baseline alone.
     pub fn judge_baseline(&self, features: &[f32; features::COUNT]) -> Probabilities {
-        let Record { baseline_scalings, classes, .. } = &self.record;
-        calibration::probabilities(self.baseline.logits(features), baseline_scalings, classes.len())
+        let logits = self.baseline.logits(features);
+        calibration::probabilities(logits, &self.record.baseline_scalings, self.task.classes().len())
+    }
+
+    /// How often each class came where it was learnt.
+    pub fn shares(&self) -> Probabilities {
+        calibration::shares(&self.record.baseline_scalings, self.task.classes().len())
     }
 }
 
