@@ -3,7 +3,7 @@
 //! What has a [`adit_observation::Reception`] gets its [`RangeSample::line_of_sight`], and [`RangeSample::in_the_way`] by a model that tells it; what was there is written over. Other ranges stay as
 //! they are. What was told of a link before counts ([`LinkFilter`]).
 
-use crate::link_filter::LinkFilter;
+use crate::link_filter::{LinkFilter, Persistence};
 use crate::model::Model;
 use crate::network::Scratch;
 use crate::task::Task;
@@ -39,10 +39,7 @@ impl Annotator {
             self.links.clear();
         }
         let (model, link) = (&self.model, (range.tag.clone(), range.anchor.clone()));
-        let filter = self
-            .links
-            .entry(link)
-            .or_insert_with(|| LinkFilter::new(model.shares(), model.task.classes().len()));
+        let filter = self.links.entry(link).or_insert_with(|| LinkFilter::new(model, Persistence::default()));
         let believed = filter.update(range.time, &told);
         range.line_of_sight = Some(f64::from(believed[0].clamp(0.0, 1.0)));
         range.in_the_way = (model.task == Task::InTheWay).then_some(believed);

@@ -4,7 +4,7 @@ use crate::baseline::Baseline;
 use crate::calibration::{self, Logits, Scaling, Scalings};
 use crate::error::NlosError;
 use crate::examples::{Example, Examples};
-use crate::link_filter::LinkFilter;
+use crate::link_filter::{LinkFilter, Persistence};
 use crate::measures::{self, Measures};
 use crate::model::{Model, Probabilities};
 use crate::network::Scratch;
@@ -59,7 +59,8 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
         model.judge_features(&row.features, row.window.as_deref(), scratch)
     };
     let network = asked(&of_model);
-    let filtered = filtered(model, examples).map(|told| told.into_iter().map(merged).collect::<Vec<_>>());
+    let filtered = filtered(model, examples, Persistence::default())
+        .map(|told| told.into_iter().map(merged).collect::<Vec<_>>());
     let baseline = asked(&|row, _| model.judge_baseline(&row.features));
     let measures = |told: &[Probabilities]| {
         Measures::of(names, examples.rows.iter().zip(told).map(|(row, p)| (truth(row), &p[..classes])))
@@ -84,13 +85,13 @@ pub fn judge(model: &Model, examples: &Examples) -> Judgement {
     }
 }
 
-/// Judgements of ranges that all have a time and a link, in the order of their time.
-fn filtered(model: &Model, examples: &Examples) -> Option<Vec<Probabilities>> {
+/// Judgements of ranges, each with what was told of its link before; `None` where some have no time.
+pub fn filtered(model: &Model, examples: &Examples, persistence: Persistence) -> Option<Vec<Probabilities>> {
     let mut order = (0..examples.rows.len())
         .map(|row| examples.rows[row].at.map(|(time, link)| (time, link, row)))
         .collect::<Option<Vec<_>>>()?;
     order.sort_unstable();
-    let filter = LinkFilter::new(model.shares(), model.task.classes().len());
+    let filter = LinkFilter::new(model, persistence);
     let (mut links, mut scratch) = (vec![filter; examples.links], Scratch::default());
     let mut told = vec![Probabilities::default(); examples.rows.len()];
     for (time, link, row) in order {

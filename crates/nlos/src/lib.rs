@@ -34,7 +34,7 @@ pub mod window;
 
 pub use annotation::Annotator;
 pub use error::NlosError;
-pub use link_filter::LinkFilter;
+pub use link_filter::{LinkFilter, Persistence};
 pub use model::{
     DataRecord, HeldOutRecord, Model, NetworkRecord, Probabilities, Record, SHIPPED, ScoreRecord,
 };

@@ -36,7 +36,12 @@ pub struct Model {
 /// The models that ship with adit, by name, the default first.
 ///
 /// `flat`: LOS, NLOS and no direct path, learnt of the set uwb-cirs-2018 (Kolakowski, CC BY 4.0) and of rooms simulated by adit; its record tells the rest.
-pub const SHIPPED: [(&str, &[u8]); 1] = [("flat", include_bytes!("../../models/flat.safetensors"))];
+///
+/// `mine`: what is in the way of a link ([`adit_observation::InTheWay`]), learnt of walks in rooms of mines simulated by adit, of nothing else.
+pub const SHIPPED: [(&str, &[u8]); 2] = [
+    ("flat", include_bytes!("../../models/flat.safetensors")),
+    ("mine", include_bytes!("../../models/mine.safetensors")),
+];
 
 impl Model {
     /// The default of those that ship with adit: three classes, DW1000, with or without impulse responses.

@@ -19,6 +19,7 @@ use crate::discriminant::Discriminant;
 use crate::error::NlosError;
 use crate::examples::Examples;
 use crate::network::Network;
+use crate::task::MOST_CLASSES;
 use crate::window;
 use augment::Augment;
 use candle_core::backprop::GradStore;
@@ -75,7 +76,7 @@ pub struct Settings {
 impl Settings {
     /// For so many ranges with or without responses: a few dozen geometries are learnt by heart in a few thousand samples, many walks take more.
     pub const fn of(response: bool, ranges: usize) -> Self {
-        let (epochs, samples) = if ranges < MANY { (4, 1024) } else { (8, 6144) };
+        let (epochs, samples) = if ranges < MANY { (4, 1024) } else { (6, 4096) };
         Self {
             sizes: Sizes { response, first: 16, second: 24, state: 32, dense: 16 },
             epochs,
@@ -248,14 +249,16 @@ fn clip(variables: &[Var], gradients: &mut GradStore, most: f64) -> candle_core:
     Ok(())
 }
 
-/// Draws rows: a class and a set, a group of both, a range of the group.
+/// Draws rows: a class and how many its set tells, a group of both, a range of the group. Of four classes each question is answered yes as often as no, as the
+/// scalings take it ([`crate::calibration`]).
 struct Drawing {
+    /// Each as often as it stands here.
     cells: Vec<Vec<Vec<usize>>>,
 }
 
 impl Drawing {
     fn new(examples: &Examples, rows: &[usize]) -> Self {
-        let of = |(class, told): (usize, usize)| -> Vec<Vec<usize>> {
+        let of = |class: usize, told: usize| -> Vec<Vec<usize>> {
             let mut groups = vec![Vec::new(); examples.groups.len()];
             let here = |row: &&usize| {
                 let row = &examples.rows[**row];
@@ -268,9 +271,19 @@ impl Drawing {
             groups
         };
         let classes = examples.task.classes().len();
-        let cells = (0..classes).flat_map(|class| (2..=classes).map(move |told| (class, told)));
-        let mut cells: Vec<_> = cells.map(of).collect();
-        cells.retain(|groups| !groups.is_empty());
+        let mut cells = Vec::new();
+        for (class, told) in (0..classes).flat_map(|class| (2..=classes).map(move |told| (class, told))) {
+            let groups = of(class, told);
+            if !groups.is_empty() {
+                // 4 + 2 + 1 + 1.
+                let times = if told == MOST_CLASSES {
+                    1 << (MOST_CLASSES - 2_usize).saturating_sub(class)
+                } else {
+                    1
+                };
+                cells.extend(std::iter::repeat_n(groups, times));
+            }
+        }
         Self { cells }
     }
 
