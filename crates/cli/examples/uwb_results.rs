@@ -40,7 +40,9 @@ fn main() -> Result<ExitCode> {
     let [adit, data, out] = arguments.as_slice() else { bail!("usage: uwb_results ADIT DATA OUT.md") };
     let scratch = tempfile::tempdir()?;
     let mut text = String::from("| run | figure |");
-    METHODS.iter().for_each(|(head, ..)| text += &format!(" {head} |"));
+    for (head, ..) in METHODS {
+        write!(text, " {head} |")?;
+    }
     text += "\n|---|---|---|---|---|---|---|\n";
     let mut complete = true;
     for (set, runs, align, dimensions) in SETS {
@@ -176,7 +178,7 @@ fn cut(truth: &str, from_s: f64, to_s: f64) -> Result<String> {
         }
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rows.dedup_by(|a, b| a.0 == b.0);
+    rows.dedup_by(|a, b| a.0.total_cmp(&b.0).is_eq());
     let rows: Vec<String> = rows.into_iter().map(|(_, row)| row).collect();
     Ok(format!("time_s,x_m,y_m,z_m\n{}\n", rows.join("\n")))
 }
