@@ -248,8 +248,8 @@ pub struct TrackArgs {
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub radio: Vec<PathBuf>,
 
-    /// Judge whether ranges came straight from how their signals came in: flat (ships with adit), or a model of adit nlos train
-    #[arg(long, value_name = "flat|MODEL", value_hint = ValueHint::FilePath)]
+    /// Judge whether ranges came straight from how their signals came in: flat or mine (they ship with adit), or a model of adit nlos train
+    #[arg(long, value_name = "flat|mine|MODEL", value_hint = ValueHint::FilePath)]
     pub nlos: Option<String>,
 
     /// Smooth over the whole log, forwards and backwards; holds it in memory

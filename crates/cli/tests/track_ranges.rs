@@ -130,7 +130,7 @@ fn ranges_that_tell_how_they_came_are_judged_on_their_way() {
     assert!(stderr.contains("--nlos: no range of the log tells how its signal came in"), "{stderr}");
     let missing = ["--mine", "anchors.csv", "--nlos", "no.safetensors"];
     let Outcome { code, stderr, .. } = track(here, "told.csv", &missing);
-    let expected = "adit: no.safetensors: cannot read it, and the models that ship are flat";
+    let expected = "adit: no.safetensors: cannot read it, and the models that ship are flat, mine";
     assert!(code == 1 && stderr.starts_with(expected), "{stderr}");
     let steps = ["track", "told.csv", "--method", "foot-ins", "--nlos", "flat", "-o", "x.tum"];
     let Outcome { code, stderr, .. } = adit(here, &steps);

@@ -1,23 +1,31 @@
 //! Ranges judged on their way into a method.
 //!
-//! What has a [`adit_observation::Reception`] gets its [`RangeSample::line_of_sight`]; what was there is written over. Other ranges stay as they are.
+//! What has a [`adit_observation::Reception`] gets its [`RangeSample::line_of_sight`], and [`RangeSample::in_the_way`] by a model that tells it; what was there is written over. Other ranges stay as
+//! they are. What was told of a link before counts ([`LinkFilter`]).
 
+use crate::link_filter::{LinkFilter, Persistence};
 use crate::model::Model;
 use crate::network::Scratch;
-use adit_observation::{Radio, RangeSample};
+use crate::task::Task;
+use adit_observation::{DeviceId, Radio, RangeSample};
+use std::collections::HashMap;
 use std::sync::Arc;
+
+/// Links that are kept in mind; past that all are forgotten.
+const MOST_LINKS: usize = 4096;
 
 /// Judges ranges, one after the other.
 #[derive(Debug, Clone)]
 pub struct Annotator {
     model: Arc<Model>,
     scratch: Scratch,
+    links: HashMap<(Option<DeviceId>, DeviceId), LinkFilter>,
 }
 
 impl Annotator {
     /// By this model.
     pub fn new(model: Arc<Model>) -> Self {
-        Self { model, scratch: Scratch::default() }
+        Self { model, scratch: Scratch::default(), links: HashMap::new() }
     }
 
     /// Judges a range; `false` where nothing tells how its signal came in, or it is of another radio.
@@ -26,8 +34,15 @@ impl Annotator {
             return false;
         }
         let Some(reception) = range.reception.as_deref() else { return false };
-        let [straight, ..] = self.model.judge(reception, Some(range.range_m), &mut self.scratch);
-        range.line_of_sight = Some(f64::from(straight.clamp(0.0, 1.0)));
+        let told = self.model.judge(reception, Some(range.range_m), &mut self.scratch);
+        if self.links.len() >= MOST_LINKS {
+            self.links.clear();
+        }
+        let (model, link) = (&self.model, (range.tag.clone(), range.anchor.clone()));
+        let filter = self.links.entry(link).or_insert_with(|| LinkFilter::new(model, Persistence::default()));
+        let believed = filter.update(range.time, &told);
+        range.line_of_sight = Some(f64::from(believed[0].clamp(0.0, 1.0)));
+        range.in_the_way = (model.task == Task::InTheWay).then_some(believed);
         true
     }
 }
@@ -63,8 +78,8 @@ mod tests {
     #[test]
     fn a_range_gets_what_the_model_says_of_its_reception() {
         let model = Arc::new(Model::shipped().unwrap());
-        let mut annotator = Annotator::new(Arc::clone(&model));
-        let mut told = |below: f32| {
+        let told = |below: f32| {
+            let mut annotator = Annotator::new(Arc::clone(&model));
             let mut range = range(below);
             assert!(annotator.annotate(&mut range));
             let reception = range.reception.as_deref().unwrap();

@@ -41,10 +41,10 @@ impl Baseline {
         let mut baseline = Self::new(used, normal, Vec::new());
         let scores: Vec<Vec<f32>> =
             rows.iter().map(|row| baseline.scores(&examples.rows[*row].features)).collect();
-        for question in examples.questions() {
-            let weights = examples.weights(rows, *question);
+        for question in 0..examples.task.questions() {
+            let weights = examples.weights(rows, question);
             let learnt = rows.iter().zip(&scores).zip(&weights).filter_map(|((row, scores), weight)| {
-                Some((&scores[..], question.answer(&examples.rows[*row])?, *weight))
+                Some((&scores[..], examples.rows[*row].answer(question)?, *weight))
             });
             baseline.discriminants.push(Discriminant::learn(learnt, baseline.used.len(), shrinkage)?);
         }
@@ -68,7 +68,7 @@ impl Baseline {
     /// The logit of each question.
     pub fn logits(&self, features: &[f32; features::COUNT]) -> Logits {
         let scores = self.scores(features);
-        let mut logits = [0.0; 2];
+        let mut logits = Logits::default();
         for (logit, discriminant) in logits.iter_mut().zip(&self.discriminants) {
             *logit = discriminant.logit(&scores);
         }

@@ -1,16 +1,17 @@
 //! From logits to probabilities that hold.
 //!
-//! Two questions make three classes: `P(LOS) = σ(l₁/T₁)`, `P(NLOS) = (1 − P(LOS)) σ(l₂/T₂)`, `P(NDP) = (1 − P(LOS)) (1 − σ(l₂/T₂))`. So sets that tell line of sight alone (and simulated ones,
-//! in which what counts as no direct path is a matter of taste) teach the first without disturbing the second.
+//! Two questions make three classes: `P(LOS) = σ(l₁/T₁)`, `P(NLOS) = (1 − P(LOS)) σ(l₂/T₂)`, `P(NDP) = (1 − P(LOS)) (1 − σ(l₂/T₂))`; three make four likewise. So sets that tell line of sight
+//! alone (and simulated ones, in which what counts as no direct path is a matter of taste) teach the first without disturbing the second.
 //!
 //! `σ(l/T + ln o)` in place of `σ(l)`: the temperature `T` (Guo, Pleiss, Sun & Weinberger 2017) of least log loss over judgements on groups that were not learnt from, and the odds `o` at which yes comes in
 //! the data (learning weighs both answers the same). The odds are not fitted to the judgements: with a few geometries of a class, leaving one out would shift them against it.
 
 use crate::model::Probabilities;
+use crate::task::MOST_QUESTIONS;
 use serde::{Deserialize, Serialize};
 
 /// `ln P(yes)/P(no)` of each question; 0 for one that is not asked.
-pub type Logits = [f32; 2];
+pub type Logits = [f32; MOST_QUESTIONS];
 
 /// How a logit becomes a probability: `σ(scale · l + offset)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub struct Scaling {
 }
 
 /// One for each question.
-pub type Scalings = [Scaling; 2];
+pub type Scalings = Vec<Scaling>;
 
 impl Default for Scaling {
     fn default() -> Self {
@@ -31,15 +32,24 @@ impl Default for Scaling {
     }
 }
 
-/// Probabilities of the classes, two or three.
-pub fn probabilities(logits: Logits, scalings: &Scalings, classes: usize) -> Probabilities {
-    let sigmoid = |k: usize| 1.0 / (1.0 + (-logits[k] * scalings[k].scale - scalings[k].offset).exp());
-    let straight = sigmoid(0);
-    if classes < 3 {
-        return [straight, 1.0 - straight, 0.0];
+/// Probabilities of the classes, by as many questions less one; a scaling that is not there changes nothing.
+pub fn probabilities(logits: Logits, scalings: &[Scaling], classes: usize) -> Probabilities {
+    let (mut told, mut left) = (Probabilities::default(), 1.0);
+    for (k, (logit, told)) in logits.iter().zip(&mut told).take(classes.saturating_sub(1)).enumerate() {
+        let Scaling { scale, offset } = scalings.get(k).copied().unwrap_or_default();
+        let yes = 1.0 / (1.0 + (-logit * scale - offset).exp());
+        *told = left * yes;
+        left *= 1.0 - yes;
     }
-    let direct = sigmoid(1);
-    [straight, (1.0 - straight) * direct, (1.0 - straight) * (1.0 - direct)]
+    if let Some(last) = told.get_mut(classes.saturating_sub(1)) {
+        *last = left;
+    }
+    told
+}
+
+/// Shares of the classes in the data, as the scalings know them.
+pub fn shares(scalings: &[Scaling], classes: usize) -> Probabilities {
+    probabilities(Logits::default(), scalings, classes)
 }
 
 impl Scaling {
@@ -104,11 +114,14 @@ mod tests {
 
     #[test]
     fn probabilities_sum_to_one_and_do_not_overflow() {
-        let as_they_are = [Scaling::default(); 2];
-        assert_eq!(probabilities([1e30, 5.0], &as_they_are, 3), [1.0, 0.0, 0.0]);
-        assert_eq!(probabilities([-1e30, -1e30], &as_they_are, 3), [0.0, 0.0, 1.0]);
-        let [los, nlos, ndp] = probabilities([0.0, 3.0_f32.ln()], &as_they_are, 3);
+        let as_they_are = [Scaling::default(); 3];
+        assert_eq!(probabilities([1e30, 5.0, 1.0], &as_they_are, 4), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(probabilities([-1e30, -1e30, -1e30], &as_they_are, 4), [0.0, 0.0, 0.0, 1.0]);
+        let [los, nlos, ndp, none] = probabilities([0.0, 3.0_f32.ln(), 7.0], &as_they_are, 3);
         assert!((los - 0.5).abs() < 1e-6 && (nlos - 0.375).abs() < 1e-6 && (ndp - 0.125).abs() < 1e-6);
-        assert_eq!(probabilities([0.0, 9.0], &as_they_are, 2), [0.5, 0.5, 0.0]);
+        assert_eq!(none, 0.0);
+        assert_eq!(probabilities([0.0, 9.0, 9.0], &as_they_are, 2), [0.5, 0.5, 0.0, 0.0]);
+        let told = probabilities([0.0, 0.0, 0.0], &as_they_are, 4);
+        assert_eq!(told, [0.5, 0.25, 0.125, 0.125]);
     }
 }

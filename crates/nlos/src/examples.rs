@@ -1,42 +1,25 @@
 //! Labelled ranges made ready to learn from or to be judged.
 
 use crate::features;
+use crate::task::Task;
 use crate::window::{self, Window};
+use adit_core::time::Time;
+use adit_observation::DeviceId;
 use adit_observation::csv_log::labelled::{LabelledRanges, LinkClass};
-use std::path::PathBuf;
-
-/// What is asked of a reception.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Question {
-    /// Did it come straight?
-    LineOfSight,
-    /// If not: did a direct path arrive at all?
-    DirectPath,
-}
-
-impl Question {
-    /// Both, in order.
-    pub const ALL: [Self; 2] = [Self::LineOfSight, Self::DirectPath];
-
-    /// The truth, where it is asked and told; `false` is yes (the first class).
-    pub const fn answer(self, row: &Example) -> Option<bool> {
-        match self {
-            Self::LineOfSight => Some(row.class > 0),
-            Self::DirectPath if row.tells_ndp && row.class > 0 => Some(row.class > 1),
-            Self::DirectPath => None,
-        }
-    }
-}
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 /// One range.
 #[derive(Debug, Clone)]
 pub struct Example {
     /// Index into [`Examples::groups`].
     pub group: usize,
-    /// Index into [`Examples::classes`]; of a set that tells line of sight alone, 1 stands for the rest.
+    /// Index of its class; the last that its set tells stands for the rest.
     pub class: usize,
-    /// Whether its set tells no direct path from no line of sight.
-    pub tells_ndp: bool,
+    /// How many classes its set tells.
+    pub told: usize,
+    /// When and on which link, where the set tells: index into [`Examples::links`].
+    pub at: Option<(Time, usize)>,
     /// What can be measured of it ([`features::NAMES`]).
     pub features: [f32; features::COUNT],
     /// Its response around the first path, where it has one.
@@ -46,12 +29,14 @@ pub struct Example {
 /// Ranges of which one group after the other can be held out.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Three where a set tells no direct path, else two.
-    pub classes: Vec<LinkClass>,
+    /// The classes.
+    pub task: Task,
     /// Which set and which geometry, place or room in it.
     pub groups: Vec<Group>,
     /// The ranges.
     pub rows: Vec<Example>,
+    /// How many links there are in sets that tell times.
+    pub links: usize,
 }
 
 /// Ranges that belong together.
@@ -63,36 +48,68 @@ pub struct Group {
     pub name: String,
 }
 
+impl Example {
+    /// Its answer to a question, where it is asked and told; `false` is yes: of the class with the question's number.
+    pub const fn answer(&self, question: usize) -> Option<bool> {
+        if self.class >= question && self.told > question + 1 { Some(self.class > question) } else { None }
+    }
+}
+
 impl Examples {
-    /// Of several sets.
+    /// Of several sets, with the classes that all of them tell.
     pub fn of(sets: &[LabelledRanges]) -> Self {
-        let three = sets.iter().any(|set| set.tells_ndp);
-        let classes = LinkClass::ALL[..if three { 3 } else { 2 }].to_vec();
-        let mut examples = Self { classes, groups: Vec::new(), rows: Vec::new() };
+        Self::for_task(Task::of(sets), sets)
+    }
+
+    /// The same for these classes; sets that do not tell them tell line of sight.
+    pub fn for_task(task: Task, sets: &[LabelledRanges]) -> Self {
+        let mut examples = Self { task, groups: Vec::new(), rows: Vec::new(), links: 0 };
         for set in sets {
-            let before = examples.groups.len();
-            let group = |name: &String| Group { set: set.file.clone(), name: name.clone() };
-            examples.groups.extend(set.groups.iter().map(group));
-            examples.rows.extend(set.ranges.iter().map(|range| Example {
-                group: before + range.group,
-                class: range.class as usize,
-                tells_ndp: set.tells_ndp,
-                features: features::of(&range.reception, range.range_m),
-                window: window::of(&range.reception).map(Box::new),
-            }));
+            let place = if set.ranges.iter().any(|range| range.time.is_some()) {
+                // The logs of everybody in a mine.
+                set.path.parent().unwrap_or(&set.path)
+            } else {
+                &set.file
+            };
+            let groups: Vec<usize> = set.groups.iter().map(|name| examples.group(place, name)).collect();
+            let mut links: HashMap<Option<&DeviceId>, usize> = HashMap::new();
+            for range in &set.ranges {
+                let at = range.time.map(|time| {
+                    let next = examples.links + links.len();
+                    (time, *links.entry(range.anchor.as_ref()).or_insert(next))
+                });
+                let (class, told) = match (task, range.in_the_way) {
+                    (Task::InTheWay, Some(way)) => (way as usize, task.classes().len()),
+                    (Task::DirectPath, _) if set.tells_ndp => (range.class as usize, task.classes().len()),
+                    _ => (usize::from(range.class != LinkClass::Los), 2),
+                };
+                examples.rows.push(Example {
+                    group: groups[range.group],
+                    class,
+                    told,
+                    at,
+                    features: features::of(&range.reception, range.range_m),
+                    window: window::of(&range.reception).map(Box::new),
+                });
+            }
+            examples.links += links.len();
         }
         examples
     }
 
-    /// Names of the classes.
-    pub fn class_names(&self) -> Vec<&'static str> {
-        self.classes.iter().map(|class| class.name()).collect()
+    fn group(&mut self, set: &Path, name: &str) -> usize {
+        let same = |group: &Group| group.set == set && group.name == name;
+        if let Some(known) = self.groups.iter().position(same) {
+            return known;
+        }
+        self.groups.push(Group { set: set.to_path_buf(), name: name.to_owned() });
+        self.groups.len() - 1
     }
 
     /// Of each row of `rows` its weight in a question: both answers weigh the same, and within each every group. Rows that the question is not asked of weigh nothing.
-    pub fn weights(&self, rows: &[usize], question: Question) -> Vec<f64> {
+    pub fn weights(&self, rows: &[usize], question: usize) -> Vec<f64> {
         let cell = |row: &usize| {
-            let answer = question.answer(&self.rows[*row])?;
+            let answer = self.rows[*row].answer(question)?;
             Some(2 * self.rows[*row].group + usize::from(answer))
         };
         let mut ranges = vec![0_usize; 2 * self.groups.len()];
@@ -106,15 +123,9 @@ impl Examples {
     }
 
     /// Of a question the odds of yes among these rows, every range counted once.
-    pub fn odds(&self, rows: &[usize], question: Question) -> f64 {
-        let of =
-            |wanted| rows.iter().filter(|row| question.answer(&self.rows[**row]) == Some(wanted)).count();
+    pub fn odds(&self, rows: &[usize], question: usize) -> f64 {
+        let of = |wanted| rows.iter().filter(|row| self.rows[**row].answer(question) == Some(wanted)).count();
         (of(false) as f64 + 1.0) / (of(true) as f64 + 1.0)
-    }
-
-    /// The questions that these sets teach.
-    pub fn questions(&self) -> &'static [Question] {
-        if self.classes.len() > 2 { &Question::ALL } else { &Question::ALL[..1] }
     }
 
     /// Groups that have one of `rows` in this class.

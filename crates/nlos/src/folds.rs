@@ -15,7 +15,7 @@ pub fn by_group(
     folds: usize,
     seed: u64,
 ) -> Result<Vec<Vec<usize>>, NlosError> {
-    for (class, name) in examples.class_names().into_iter().enumerate() {
+    for (class, name) in examples.task.classes().iter().enumerate() {
         let found = examples.groups_of(class, rows).len();
         if found < 2 {
             return Err(NlosError::TooFewGroups { class: name, found, expected: 2 });
@@ -23,7 +23,7 @@ pub fn by_group(
     }
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut order: Vec<usize> = Vec::new();
-    for class in 0..examples.classes.len() {
+    for class in 0..examples.task.classes().len() {
         let mut groups = examples.groups_of(class, rows);
         groups.retain(|group| !order.contains(group));
         shuffle(&mut groups, &mut random);

@@ -4,14 +4,16 @@ use crate::baseline::Baseline;
 use crate::calibration::{self, Logits, Scaling, Scalings};
 use crate::error::NlosError;
 use crate::examples::{Example, Examples};
+use crate::link_filter::{LinkFilter, Persistence};
 use crate::measures::{self, Measures};
 use crate::model::{Model, Probabilities};
 use crate::network::Scratch;
+use crate::task::Task;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// How a model and its baseline do on labelled ranges. Where one of the two does not tell no direct path, neither is asked to.
+/// How a model and its baseline do on labelled ranges; where the model and the ranges do not have the same classes, on line of sight or not.
 #[derive(Debug, Clone, Serialize)]
 pub struct Judgement {
     /// The model's.
@@ -19,6 +21,8 @@ pub struct Judgement {
     pub model: Measures,
     /// Of the discriminant in it; the same where it has no network.
     pub baseline: Measures,
+    /// The model's with what was told of each link before kept in mind ([`LinkFilter`]), of ranges with times.
+    pub filtered: Option<Measures>,
     /// Group by group, what the model said.
     pub groups: Vec<GroupJudgement>,
 }
@@ -38,36 +42,64 @@ pub struct GroupJudgement {
 
 /// Judges a model on labelled ranges.
 pub fn judge(model: &Model, examples: &Examples) -> Judgement {
-    let classes = model.record.classes.len().min(examples.classes.len());
-    let names: Vec<&'static str> = examples.class_names()[..classes].to_vec();
+    let task = model.task;
+    let classes = task.common(examples.task);
+    let names = if classes == 2 { Task::LineOfSight.classes() } else { task.classes() };
     let truth = |row: &Example| row.class.min(classes - 1);
     let merged = |mut told: Probabilities| {
         if classes == 2 {
-            told = [told[0], told[1] + told[2], 0.0];
+            told = [told[0], told[1..].iter().sum(), 0.0, 0.0];
         }
         told
     };
     let asked = |of: &(dyn Fn(&Example, &mut Scratch) -> Probabilities + Sync)| -> Vec<Probabilities> {
         examples.rows.par_iter().map_init(Scratch::default, |scratch, row| merged(of(row, scratch))).collect()
     };
-    let network = asked(&|row, scratch| model.judge_features(&row.features, row.window.as_deref(), scratch));
+    let of_model = |row: &Example, scratch: &mut Scratch| {
+        model.judge_features(&row.features, row.window.as_deref(), scratch)
+    };
+    let network = asked(&of_model);
+    let filtered = filtered(model, examples, Persistence::default())
+        .map(|told| told.into_iter().map(merged).collect::<Vec<_>>());
     let baseline = asked(&|row, _| model.judge_baseline(&row.features));
     let measures = |told: &[Probabilities]| {
-        Measures::of(&names, examples.rows.iter().zip(told).map(|(row, p)| (truth(row), &p[..classes])))
+        Measures::of(names, examples.rows.iter().zip(told).map(|(row, p)| (truth(row), &p[..classes])))
     };
     let mut cells = vec![vec![vec![0_usize; classes]; classes]; examples.groups.len()];
     for (row, told) in examples.rows.iter().zip(&network) {
         cells[row.group][truth(row)][measures::told(&told[..classes]).0] += 1;
     }
     let groups = examples.groups.iter().zip(&cells).flat_map(|(group, cells)| {
-        cells.iter().zip(&names).filter_map(|(told, class)| {
+        cells.iter().zip(names).filter_map(|(told, class)| {
             let ranges: usize = told.iter().sum();
             let share = |told: &usize| *told as f64 / ranges as f64;
             let (group, told) = (group.name.clone(), told.iter().map(share).collect());
             (ranges > 0).then_some(GroupJudgement { group, class, ranges, told })
         })
     });
-    Judgement { model: measures(&network), baseline: measures(&baseline), groups: groups.collect() }
+    Judgement {
+        model: measures(&network),
+        baseline: measures(&baseline),
+        filtered: filtered.map(|told| measures(&told)),
+        groups: groups.collect(),
+    }
+}
+
+/// Judgements of ranges, each with what was told of its link before; `None` where some have no time.
+pub fn filtered(model: &Model, examples: &Examples, persistence: Persistence) -> Option<Vec<Probabilities>> {
+    let mut order = (0..examples.rows.len())
+        .map(|row| examples.rows[row].at.map(|(time, link)| (time, link, row)))
+        .collect::<Option<Vec<_>>>()?;
+    order.sort_unstable();
+    let filter = LinkFilter::new(model, persistence);
+    let (mut links, mut scratch) = (vec![filter; examples.links], Scratch::default());
+    let mut told = vec![Probabilities::default(); examples.rows.len()];
+    for (time, link, row) in order {
+        let Example { features, window, .. } = &examples.rows[row];
+        told[row] =
+            links[link].update(time, &model.judge_features(features, window.as_deref(), &mut scratch));
+    }
+    Some(told)
 }
 
 /// What is learnt of some rows and asked of others.
@@ -157,13 +189,13 @@ impl HeldOut {
 
     /// The scalings that make them hold, of the rows that `with` lets count.
     fn scalings_of(&self, examples: &Examples, with: impl Fn(usize) -> bool) -> Scalings {
-        let mut scalings = [Scaling::default(); 2];
-        for (k, question) in examples.questions().iter().enumerate() {
+        let mut scalings = Scalings::new();
+        for question in 0..examples.task.questions() {
             let judged = self.rows.iter().zip(&self.logits).filter(|(row, _)| with(**row));
             let judged: Vec<_> = judged
-                .filter_map(|(row, logits)| Some((question.answer(&examples.rows[*row])?, logits[k])))
+                .filter_map(|(row, logits)| Some((examples.rows[*row].answer(question)?, logits[question])))
                 .collect();
-            scalings[k] = Scaling::learn(&judged, examples.odds(&self.rows, *question));
+            scalings.push(Scaling::learn(&judged, examples.odds(&self.rows, question)));
         }
         scalings
     }
@@ -175,7 +207,7 @@ impl HeldOut {
 
     /// How good they are, the probabilities of each group scaled by what makes those of the others hold.
     pub fn measures(&self, examples: &Examples) -> Measures {
-        let classes = examples.classes.len();
+        let classes = examples.task.classes().len();
         let mut groups: Vec<usize> = self.rows.iter().map(|row| examples.rows[*row].group).collect();
         groups.sort_unstable();
         groups.dedup();
@@ -193,7 +225,7 @@ impl HeldOut {
             .collect();
         let judged = self.rows.iter().zip(&told);
         Measures::of(
-            &examples.class_names(),
+            examples.task.classes(),
             judged.map(|(row, p)| (examples.rows[*row].class, &p[..classes])),
         )
     }

@@ -2,7 +2,7 @@
 
 use crate::baseline::{Baseline, SHRINKAGE};
 use crate::error::NlosError;
-use crate::examples::Examples;
+use crate::examples::{Example, Examples};
 use crate::features;
 use crate::folds;
 use crate::judging::{BaselineLearner, HeldOut};
@@ -10,13 +10,17 @@ use crate::measures::Measures;
 #[cfg(feature = "train")]
 use crate::model::NetworkRecord;
 use crate::model::{DataRecord, HeldOutRecord, Model, Record, ScoreRecord, VERSION};
+use crate::task::Task;
 #[cfg(feature = "train")]
 use crate::training::{self, NetworkLearner, Settings};
-use adit_observation::csv_log::labelled::{LabelledRanges, LinkClass};
+use adit_observation::csv_log::labelled::LabelledRanges;
 #[cfg(feature = "train")]
 use std::ops::ControlFlow;
 #[cfg(feature = "train")]
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// So many sets are told one by one in a record.
+const MOST_TOLD: usize = 12;
 
 /// How to learn.
 #[derive(Debug, Clone)]
@@ -56,12 +60,17 @@ impl Data {
     pub fn of(sets: Vec<LabelledRanges>, also: Vec<LabelledRanges>) -> Result<Self, NlosError> {
         let judged = sets.len();
         let all: Vec<LabelledRanges> = sets.into_iter().chain(also).collect();
-        let examples = Examples::of(&all);
+        let examples = Examples::for_task(Task::of(&all[..judged]), &all);
         let before: usize = all[..judged].iter().map(|set| set.ranges.len()).sum();
         let rows = (0..before).collect();
         let also = (before..examples.rows.len()).collect();
-        let records =
-            all.iter().enumerate().map(|(k, set)| record(set, &examples.classes, k >= judged)).collect();
+        let mut first = 0;
+        let records = all.iter().enumerate().map(|(k, set)| {
+            let rows = &examples.rows[first..first + set.ranges.len()];
+            first += rows.len();
+            record(set, rows, examples.task, k >= judged)
+        });
+        let records = merged(records);
         Ok(Self { examples, rows, also, records })
     }
 
@@ -84,7 +93,7 @@ pub fn learn_baseline(data: &Data, plan: &Plan) -> Result<Learnt, NlosError> {
     let baseline = Baseline::learn(examples, &data.everything(), SHRINKAGE)?;
     let record = Record {
         version: VERSION,
-        classes: examples.classes.clone(),
+        classes: examples.task.classes().iter().map(|class| (*class).to_owned()).collect(),
         features: baseline.used.iter().map(|k| features::NAMES[*k].to_owned()).collect(),
         baseline_scalings: held.scalings(examples),
         network: None,
@@ -93,7 +102,11 @@ pub fn learn_baseline(data: &Data, plan: &Plan) -> Result<Learnt, NlosError> {
         held_out: HeldOutRecord { folds: folds.len(), baseline: ScoreRecord::from(&measures), network: None },
         note: plan.note.clone(),
     };
-    Ok(Learnt { model: Model { record, baseline, network: None }, baseline: measures, network: None })
+    Ok(Learnt {
+        model: Model { task: examples.task, record, baseline, network: None },
+        baseline: measures,
+        network: None,
+    })
 }
 
 /// Learns the baseline and the network. `progress` is told the passes that are done and how many there will be.
@@ -137,19 +150,48 @@ pub fn learn(
     Ok(learnt)
 }
 
-fn record(set: &LabelledRanges, classes: &[LinkClass], only_learnt: bool) -> DataRecord {
-    let of = |class: LinkClass| set.ranges.iter().filter(move |range| range.class == class);
-    let groups = |class: &LinkClass| {
-        let mut groups: Vec<usize> = of(*class).map(|range| range.group).collect();
+fn record(set: &LabelledRanges, rows: &[Example], task: Task, only_learnt: bool) -> DataRecord {
+    let of = |class: usize| rows.iter().filter(move |row| row.class == class);
+    let groups = |class: usize| {
+        let mut groups: Vec<usize> = of(class).map(|row| row.group).collect();
         groups.sort_unstable();
         groups.dedup();
         groups.len()
     };
+    let classes = 0..task.classes().len();
     let name = set.path.file_name().unwrap_or(set.path.as_os_str());
     DataRecord {
         name: name.to_string_lossy().into_owned(),
-        ranges: classes.iter().map(|class| of(*class).count()).collect(),
-        groups: classes.iter().map(groups).collect(),
+        ranges: classes.clone().map(|class| of(class).count()).collect(),
+        groups: classes.map(groups).collect(),
         only_learnt,
+        sets: 1,
     }
+}
+
+/// Many sets are told as one: from the first to the last, with the sums.
+fn merged(records: impl Iterator<Item = DataRecord>) -> Vec<DataRecord> {
+    let records: Vec<DataRecord> = records.collect();
+    if records.len() <= MOST_TOLD {
+        return records;
+    }
+    [false, true]
+        .into_iter()
+        .filter_map(|only_learnt| {
+            let mut of = records.iter().filter(|record| record.only_learnt == only_learnt);
+            let mut sum = of.next()?.clone();
+            let first = sum.name.clone();
+            for record in of {
+                sum.name = format!("{first} to {}", record.name);
+                sum.sets += 1;
+                for (sum, one) in sum.ranges.iter_mut().zip(&record.ranges) {
+                    *sum += one;
+                }
+                for (sum, one) in sum.groups.iter_mut().zip(&record.groups) {
+                    *sum += one;
+                }
+            }
+            Some(sum)
+        })
+        .collect()
 }

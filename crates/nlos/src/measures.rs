@@ -27,12 +27,44 @@ pub struct Measures {
     pub macro_f1: f64,
     /// Line of sight or not.
     pub binary: Binary,
+    /// Each class against the rest.
+    pub each: Vec<ClassMeasures>,
+    /// Their means.
+    pub mean: Means,
     /// Ranges by true class (row) and class told (column).
     pub confusion: Vec<Vec<usize>>,
     /// Expected calibration error of the class told.
     pub calibration_error: f64,
     /// Mean of −ln of the probability given to the truth.
     pub log_loss: f64,
+}
+
+/// One class against the rest.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClassMeasures {
+    /// Its name.
+    pub class: &'static str,
+    /// Its ranges.
+    pub ranges: usize,
+    /// Share of all ranges of which it is told rightly whether they are of the class.
+    pub accuracy: f64,
+    /// Share of its ranges told rightly.
+    pub recall: f64,
+    /// Share of those told to be of the class that are.
+    pub precision: f64,
+    /// `2 P R / (P + R)`.
+    pub f1: f64,
+}
+
+/// Means over the classes that there are, as system S4's table 1 has them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Means {
+    /// Of the accuracies of each class against the rest: `1 − 2 (1 − accuracy)/n` with n classes.
+    pub accuracy: f64,
+    /// Of the recalls.
+    pub recall: f64,
+    /// Of F1.
+    pub f1: f64,
 }
 
 /// Line of sight or not.
@@ -82,6 +114,7 @@ impl Measures {
             (probability, class == truth)
         });
         let reliability = bins(judged.map(|(truth, p)| (p[0], truth == 0)));
+        let each: Vec<ClassMeasures> = (0..count).map(|class| one(classes, &confusion, class)).collect();
         let [seen, rest] = two;
         let two = vec![seen.to_vec(), rest.to_vec()];
         Self {
@@ -97,6 +130,8 @@ impl Measures {
                 calibration_error: calibration_error(&reliability),
                 reliability,
             },
+            mean: means(&each),
+            each,
             calibration_error: calibration_error(&bins(right)),
             log_loss: loss / ranges.max(1) as f64,
             confusion,
@@ -130,6 +165,28 @@ fn balanced(confusion: &[Vec<usize>]) -> f64 {
 fn f1(confusion: &[Vec<usize>], class: usize) -> f64 {
     let told: usize = confusion.iter().map(|row| row[class]).sum();
     share(2 * confusion[class][class], told + confusion[class].iter().sum::<usize>())
+}
+
+/// A class against the rest.
+fn one(classes: &[&'static str], confusion: &[Vec<usize>], class: usize) -> ClassMeasures {
+    let all: usize = confusion.iter().flatten().sum();
+    let right = confusion[class][class];
+    let ranges: usize = confusion[class].iter().sum();
+    let told: usize = confusion.iter().map(|row| row[class]).sum();
+    ClassMeasures {
+        class: classes[class],
+        ranges,
+        accuracy: share(all + 2 * right - ranges - told, all),
+        recall: share(right, ranges),
+        precision: share(right, told),
+        f1: f1(confusion, class),
+    }
+}
+
+fn means(each: &[ClassMeasures]) -> Means {
+    let there = || each.iter().filter(|class| class.ranges > 0);
+    let mean = |of: fn(&ClassMeasures) -> f64| there().map(of).sum::<f64>() / there().count().max(1) as f64;
+    Means { accuracy: mean(|c| c.accuracy), recall: mean(|c| c.recall), f1: mean(|c| c.f1) }
 }
 
 fn macro_f1(confusion: &[Vec<usize>]) -> f64 {
@@ -184,6 +241,14 @@ mod tests {
         close(found.accuracy, 0.5);
         close(found.balanced_accuracy, 0.5);
         close(found.macro_f1, (0.5 + 1.0 / 3.0 + 2.0 / 3.0) / 3.0);
+        // `accuracy_score(y == c, told == c)`, `recall_score`, `precision_score` of the second class.
+        let second = &found.each[1];
+        close(second.accuracy, 4.0 / 8.0);
+        close(second.recall, 1.0 / 3.0);
+        close(second.precision, 1.0 / 3.0);
+        close(found.mean.accuracy, (6.0 / 8.0 + 4.0 / 8.0 + 6.0 / 8.0) / 3.0);
+        close(found.mean.recall, found.balanced_accuracy);
+        close(found.mean.f1, found.macro_f1);
         close(found.binary.accuracy, 0.75);
         close(found.binary.balanced_accuracy, 0.5 * (0.5 + 5.0 / 6.0));
         close(found.binary.f1, 10.0 / 12.0);

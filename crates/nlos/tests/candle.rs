@@ -16,7 +16,7 @@ const FIRST_CHANNELS: usize = 16;
 const SECOND_CHANNELS: usize = 24;
 const STATE: usize = 32;
 const FEATURES: usize = 22;
-const QUESTIONS: usize = 2;
+const QUESTIONS: usize = 3;
 
 fn drawn(count: usize, random: &mut ChaCha8Rng) -> Vec<f32> {
     let uniform = Uniform::new(-0.5, 0.5).unwrap();

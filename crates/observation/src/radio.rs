@@ -43,17 +43,18 @@ pub struct RangeSample {
     pub reception: Option<Arc<Reception>>,
 }
 
-/// What stands between a tag and an anchor: the four environments of system S4, told apart by their obstacles (Jia et al. 2024, §1.5).
+/// What stands between a tag and an anchor: the four environments of system S4, which it tells apart by their obstacles (Jia et al. 2024). What the paper
+/// leaves open, ours: what counts is the shadow that an obstacle casts, since that is what a receiver can see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InTheWay {
-    /// Nothing.
+    /// Nothing: the straight line is free (S4: ideal).
     Nothing,
-    /// People, the wearer among them: the direct path bends round them, a little late.
-    People,
-    /// A machine, a vehicle, a low pillar or a closed door: the direct path comes over, round or through it, weak and late.
-    Machine,
-    /// Rock, or a pillar that no direct path comes round.
+    /// A shallow shadow, up to [`Self::DEEP_DB`]: somebody, the wearer as a rule, or the edge of something solid (S4: with error).
+    Shallow,
+    /// A deep one: a machine, a vehicle, a pillar, several people (S4: no line of sight).
+    Deep,
+    /// Rock: the signal came round a corner (S4: no line of sight).
     Rock,
 }
 
@@ -188,7 +189,24 @@ impl InTheWay {
     /// How many there are.
     pub const COUNT: usize = 4;
     /// All of them, in order of [`RangeSample::in_the_way`].
-    pub const ALL: [Self; Self::COUNT] = [Self::Nothing, Self::People, Self::Machine, Self::Rock];
+    pub const ALL: [Self; Self::COUNT] = [Self::Nothing, Self::Shallow, Self::Deep, Self::Rock];
+    /// From here on a shadow is deep, dB that it takes from the direct path: more than a trunk takes by itself.
+    pub const DEEP_DB: f64 = 15.0;
+
+    /// As written in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::Shallow => "shallow",
+            Self::Deep => "deep",
+            Self::Rock => "rock",
+        }
+    }
+
+    /// From its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|way| way.name() == name)
+    }
 }
 
 impl Radio {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 const TRAIN_HELP: &str = "\
 DATA, each:
+  a folder of adit simulate (log.mcap, ranges_truth.csv): also what is in the way, nothing, a shallow or a deep shadow, rock: four classes;
   a folder with meta.csv and cir_i16le.bin (diagnostics and impulse responses), or with ranges.csv (diagnostics alone), plain or .gz; or such a
   table. One range to a row: geometry_id (or tag_location_id, room_id, group_id), label (LOS, NLOS, NDP) or nlos (0, 1), range_m, and what the
   receiver told: rx_power_dBm, first_path_power_dBm, preamble_count, …
@@ -17,12 +18,13 @@ Examples:
   adit nlos train hall --baseline -o hall.safetensors --json";
 
 const EVAL_HELP: &str = "\
-The model judges every range of DATA (as for adit nlos train); where one of the two does not tell no direct path (NDP) from no line of sight (NLOS),
-the two are one. binary asks: no line of sight? F1 is that of \"no\".
+The model judges every range of DATA (as for adit nlos train); where the two do not have the same classes, line of sight or not is judged. binary
+asks: no line of sight? F1 is that of \"no\". Ranges with times are judged once more with what was told of their link before kept in mind.
 
 Examples:
   adit nlos eval uwb-cir
-  adit nlos eval uwb-cir --model flat.safetensors --json";
+  adit nlos eval uwb-cir --model flat.safetensors --json
+  adit nlos eval lab/p001 lab/p002 --model mine";
 
 /// `adit nlos`.
 #[derive(Debug, Args)]
@@ -86,9 +88,9 @@ pub struct NlosEvalArgs {
     #[arg(value_name = "DATA", required = true, value_hint = ValueHint::AnyPath)]
     pub data: Vec<PathBuf>,
 
-    /// Model to judge [default: the one that ships with adit]
-    #[arg(long, value_name = "M", value_hint = ValueHint::FilePath)]
-    pub model: Option<PathBuf>,
+    /// Model to judge: flat or mine (they ship with adit), or a file [default: flat]
+    #[arg(long, value_name = "flat|mine|M", value_hint = ValueHint::FilePath)]
+    pub model: Option<String>,
 
     /// Print one JSON object instead of the table
     #[arg(long)]

@@ -1,12 +1,13 @@
 //! The file: safetensors, with the record as JSON in its metadata under the key `adit-nlos`.
 
-use super::{MOST_CLASSES, Model, Record, VERSION};
+use super::{Model, Record, VERSION};
 use crate::baseline::Baseline;
 use crate::discriminant::Discriminant;
 use crate::error::NlosError;
 use crate::features;
 use crate::network::{Layer, Network, ResponseBranch, WIDTH};
 use crate::normal_scores::{LEVELS, NormalScores};
+use crate::task::Task;
 use crate::window::CHANNELS;
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use std::collections::HashMap;
@@ -79,6 +80,7 @@ struct Reader<'a> {
     name: &'a str,
     tensors: SafeTensors<'a>,
     record: Record,
+    task: Task,
 }
 
 impl<'a> Reader<'a> {
@@ -96,15 +98,15 @@ impl<'a> Reader<'a> {
         if record.version != VERSION {
             return Err(fail(format!("found layout {}, expected {VERSION}", record.version)));
         }
-        if !(2..=MOST_CLASSES).contains(&record.classes.len()) {
-            return Err(fail(format!("found {} classes, expected 2 or 3", record.classes.len())));
-        }
-        let network = record.network.as_ref().map(|network| network.scalings);
-        let mut scalings = record.baseline_scalings.into_iter().chain(network.into_iter().flatten());
+        let Some(task) = Task::by_classes(&record.classes) else {
+            return Err(fail(format!("found the classes {:?}, which no task has", record.classes)));
+        };
+        let network = record.network.iter().flat_map(|network| &network.scalings);
+        let mut scalings = record.baseline_scalings.iter().chain(network);
         if let Some(odd) = scalings.find(|s| !(s.scale.is_finite() && s.offset.is_finite())) {
             return Err(fail(format!("found a scaling {odd:?}, expected finite numbers")));
         }
-        Ok(Self { name, tensors, record })
+        Ok(Self { name, tensors, record, task })
     }
 
     fn fail(&self, what: String) -> NlosError {
@@ -112,7 +114,7 @@ impl<'a> Reader<'a> {
     }
 
     fn model(self) -> Result<Model, NlosError> {
-        let questions = self.record.classes.len() - 1;
+        let questions = self.task.questions();
         let used = self
             .record
             .features
@@ -134,7 +136,8 @@ impl<'a> Reader<'a> {
         let discriminants = weights.chunks(used.len()).zip(biases).map(of).collect();
         let network =
             self.record.network.as_ref().map(|_| self.network(used.len(), questions)).transpose()?;
-        Ok(Model { baseline: Baseline::new(used, normal, discriminants), network, record: self.record })
+        let task = self.task;
+        Ok(Model { task, baseline: Baseline::new(used, normal, discriminants), network, record: self.record })
     }
 
     fn network(&self, features: usize, questions: usize) -> Result<Network, NlosError> {

@@ -6,15 +6,14 @@ mod record;
 pub use record::{DataRecord, HeldOutRecord, NetworkRecord, Record, ScoreRecord};
 
 use crate::baseline::Baseline;
-use crate::calibration;
+use crate::calibration::{self, Logits};
 use crate::error::NlosError;
 use crate::features;
 use crate::network::{Network, Scratch};
+use crate::task::{MOST_CLASSES, Task};
 use crate::window::{self, Window};
 use adit_observation::Reception;
 
-/// Most classes there are.
-pub const MOST_CLASSES: usize = 3;
 /// Layout of the file.
 pub(crate) const VERSION: u32 = 1;
 
@@ -24,6 +23,8 @@ pub type Probabilities = [f32; MOST_CLASSES];
 /// A classifier.
 #[derive(Debug, Clone)]
 pub struct Model {
+    /// What it tells apart.
+    pub task: Task,
     /// What it says of itself.
     pub record: Record,
     /// What features made by hand tell.
@@ -35,7 +36,12 @@ pub struct Model {
 /// The models that ship with adit, by name, the default first.
 ///
 /// `flat`: LOS, NLOS and no direct path, learnt of the set uwb-cirs-2018 (Kolakowski, CC BY 4.0) and of rooms simulated by adit; its record tells the rest.
-pub const SHIPPED: [(&str, &[u8]); 1] = [("flat", include_bytes!("../../models/flat.safetensors"))];
+///
+/// `mine`: what is in the way of a link ([`adit_observation::InTheWay`]), learnt of walks in rooms of mines simulated by adit, of nothing else.
+pub const SHIPPED: [(&str, &[u8]); 2] = [
+    ("flat", include_bytes!("../../models/flat.safetensors")),
+    ("mine", include_bytes!("../../models/mine.safetensors")),
+];
 
 impl Model {
     /// The default of those that ship with adit: three classes, DW1000, with or without impulse responses.
@@ -68,20 +74,25 @@ impl Model {
             (Some(network), Some(record)) if window.is_some() || !network.looks_at_window() => {
                 let mut scores = [0.0; features::COUNT];
                 self.baseline.write_scores(features, &mut scores);
-                let mut logits = [0.0; 2];
-                let asked = &mut logits[..network.head.outputs().min(2)];
+                let mut logits = Logits::default();
+                let asked = &mut logits[..self.task.questions()];
                 network.logits(&scores[..self.baseline.used.len()], window, scratch, asked);
                 (logits, &record.scalings)
             }
             _ => (self.baseline.logits(features), &self.record.baseline_scalings),
         };
-        calibration::probabilities(logits, scalings, self.record.classes.len())
+        calibration::probabilities(logits, scalings, self.task.classes().len())
     }
 
     /// The same of the baseline alone.
     pub fn judge_baseline(&self, features: &[f32; features::COUNT]) -> Probabilities {
-        let Record { baseline_scalings, classes, .. } = &self.record;
-        calibration::probabilities(self.baseline.logits(features), baseline_scalings, classes.len())
+        let logits = self.baseline.logits(features);
+        calibration::probabilities(logits, &self.record.baseline_scalings, self.task.classes().len())
+    }
+
+    /// How often each class came where it was learnt.
+    pub fn shares(&self) -> Probabilities {
+        calibration::shares(&self.record.baseline_scalings, self.task.classes().len())
     }
 }
 

@@ -2,7 +2,6 @@
 
 use crate::calibration::Scalings;
 use crate::measures::Measures;
-use adit_observation::csv_log::labelled::LinkClass;
 use serde::{Deserialize, Serialize};
 
 /// The record of a training; stands in the metadata of the model's file.
@@ -12,7 +11,7 @@ pub struct Record {
     /// Of the file's layout.
     pub version: u32,
     /// The classes it tells apart, in order of its outputs.
-    pub classes: Vec<LinkClass>,
+    pub classes: Vec<String>,
     /// Names of the features it looks at, in order.
     pub features: Vec<String>,
     /// From the baseline's logits to probabilities.
@@ -51,6 +50,13 @@ pub struct DataRecord {
     pub groups: Vec<usize>,
     /// Learnt from but never judged on.
     pub only_learnt: bool,
+    /// How many folders or files it stands for.
+    #[serde(default = "one")]
+    pub sets: usize,
+}
+
+fn one() -> usize {
+    1
 }
 
 /// Scores on groups held out.

@@ -28,13 +28,13 @@ impl Learner for NetworkLearner<'_> {
         fold: u64,
     ) -> Result<Vec<Vec<Logits>>, NlosError> {
         let baseline = Baseline::learn(examples, learn, SHRINKAGE)?;
-        let questions = examples.questions().len();
+        let questions = examples.task.questions();
         let seed = self.seed.wrapping_mul(1_000_003).wrapping_add(fold + 1);
         let (mut passes, mut scratch) = (Vec::new(), Scratch::default());
         train(examples, learn, &baseline, self.settings, seed, |_, network| {
             let mut asked = |row: &usize| {
                 let row = &examples.rows[*row];
-                let mut logits = [0.0; 2];
+                let mut logits = Logits::default();
                 let scores = baseline.scores(&row.features);
                 network.logits(&scores, row.window.as_deref(), &mut scratch, &mut logits[..questions]);
                 logits

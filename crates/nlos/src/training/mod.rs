@@ -19,6 +19,7 @@ use crate::discriminant::Discriminant;
 use crate::error::NlosError;
 use crate::examples::Examples;
 use crate::network::Network;
+use crate::task::MOST_CLASSES;
 use crate::window;
 use augment::Augment;
 use candle_core::backprop::GradStore;
@@ -30,6 +31,9 @@ use std::ops::ControlFlow;
 
 /// Temperature at which the discriminant enters the sum.
 const START_TEMPERATURE: f32 = 3.0;
+
+/// So many ranges are many.
+const MANY: usize = 50_000;
 
 /// Sizes of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,12 +74,13 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// For ranges with or without responses.
-    pub const fn of(response: bool) -> Self {
+    /// For so many ranges with or without responses: a few dozen geometries are learnt by heart in a few thousand samples, many walks take more.
+    pub const fn of(response: bool, ranges: usize) -> Self {
+        let (epochs, samples) = if ranges < MANY { (4, 1024) } else { (6, 4096) };
         Self {
             sizes: Sizes { response, first: 16, second: 24, state: 32, dense: 16 },
-            epochs: 4,
-            samples: 1024,
+            epochs,
+            samples,
             batch: 64,
             rate: 1e-3,
             decay: 0.05,
@@ -97,7 +102,7 @@ pub fn train(
 ) -> Result<(), NlosError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let features = baseline.used.len();
-    let graph = Graph::new(&settings.sizes, features, examples.questions().len(), &mut random)?;
+    let graph = Graph::new(&settings.sizes, features, examples.task.questions(), &mut random)?;
     let variables = graph.variables();
     let parameters =
         ParamsAdamW { lr: settings.rate, weight_decay: settings.decay, ..ParamsAdamW::default() };
@@ -159,8 +164,8 @@ impl Batch {
                 Augment::window(&mut window, random);
                 batch.windows.extend(window);
             }
-            for question in examples.questions() {
-                let answer = question.answer(row);
+            for question in 0..examples.task.questions() {
+                let answer = row.answer(question);
                 batch.asked.push(f32::from(u8::from(answer.is_some())));
                 let yes = f32::from(u8::from(answer == Some(false)));
                 batch.answers.push(yes * (1.0 - settings.smoothing) + 0.5 * settings.smoothing);
@@ -244,18 +249,20 @@ fn clip(variables: &[Var], gradients: &mut GradStore, most: f64) -> candle_core:
     Ok(())
 }
 
-/// Draws rows: a class and a set, a group of both, a range of the group.
+/// Draws rows: a class and how many its set tells, a group of both, a range of the group. Of four classes each question is answered yes as often as no, as the
+/// scalings take it ([`crate::calibration`]).
 struct Drawing {
+    /// Each as often as it stands here.
     cells: Vec<Vec<Vec<usize>>>,
 }
 
 impl Drawing {
     fn new(examples: &Examples, rows: &[usize]) -> Self {
-        let of = |(class, tells): (usize, bool)| -> Vec<Vec<usize>> {
+        let of = |class: usize, told: usize| -> Vec<Vec<usize>> {
             let mut groups = vec![Vec::new(); examples.groups.len()];
             let here = |row: &&usize| {
                 let row = &examples.rows[**row];
-                row.class == class && row.tells_ndp == tells
+                row.class == class && row.told == told
             };
             for row in rows.iter().filter(here) {
                 groups[examples.rows[*row].group].push(*row);
@@ -263,9 +270,20 @@ impl Drawing {
             groups.retain(|group| !group.is_empty());
             groups
         };
-        let cells = (0..examples.classes.len()).flat_map(|class| [(class, false), (class, true)]);
-        let mut cells: Vec<_> = cells.map(of).collect();
-        cells.retain(|groups| !groups.is_empty());
+        let classes = examples.task.classes().len();
+        let mut cells = Vec::new();
+        for (class, told) in (0..classes).flat_map(|class| (2..=classes).map(move |told| (class, told))) {
+            let groups = of(class, told);
+            if !groups.is_empty() {
+                // 4 + 2 + 1 + 1.
+                let times = if told == MOST_CLASSES {
+                    1 << (MOST_CLASSES - 2_usize).saturating_sub(class)
+                } else {
+                    1
+                };
+                cells.extend(std::iter::repeat_n(groups, times));
+            }
+        }
         Self { cells }
     }
 

@@ -5,7 +5,7 @@
 //! 0.026746,9,5.7146,los
 //! ```
 //!
-//! `tag_id` where there are several tags; `class` (`los`, `nlos`, `ndp`) where it is known. Other columns are left. Rows are those of the log, by time, anchor and
+//! `tag_id` where there are several tags; `class` (`los`, `nlos`, `ndp`) and `in_the_way` (`nothing`, `shallow`, `deep`, `rock`) where they are known. Other columns are left. Rows are those of the log, by time, anchor and
 //! tag.
 
 use super::finder::Finder;
@@ -16,7 +16,7 @@ use super::units::RANGE_UNITS;
 use crate::device::DeviceId;
 use crate::error::{LogError, shown};
 use crate::files::Input;
-use crate::radio::RangeSample;
+use crate::radio::{InTheWay, RangeSample};
 use adit_core::time::Time;
 use std::collections::HashMap;
 use std::path::Path;
@@ -28,6 +28,8 @@ pub struct TrueRange {
     pub distance_m: f64,
     /// How the signal came, where it is told.
     pub class: Option<LinkClass>,
+    /// What stood in the way, where it is told.
+    pub in_the_way: Option<InTheWay>,
 }
 
 /// The truth of the ranges of a log.
@@ -66,6 +68,7 @@ pub fn from_input(input: Input) -> Result<RangeTruth, LogError> {
     let anchor = finder.needed(&["anchor_id", "anchor"])?;
     let tag = finder.one(&["tag_id", "tag"])?;
     let class = finder.one(&["class"])?;
+    let in_the_way = finder.one(&["in_the_way"])?;
     let Some(Column { index: distance, gain }) = finder.measured("true_range", &RANGE_UNITS)? else {
         return Err(missing(vec!["true_range_m".to_owned()], &names, &place));
     };
@@ -79,13 +82,21 @@ pub fn from_input(input: Input) -> Result<RangeTruth, LogError> {
             let text = std::str::from_utf8(table.field(index)).ok();
             text.and_then(LinkClass::from_name).ok_or_else(|| bad(&table, "class", index, "los, nlos or ndp"))
         });
+        let in_the_way = in_the_way.filter(|index| !table.field(*index).is_empty()).map(|index| {
+            let text = std::str::from_utf8(table.field(index)).ok();
+            text.and_then(InTheWay::from_name)
+                .ok_or_else(|| bad(&table, "in_the_way", index, "nothing, shallow, deep or rock"))
+        });
         let distance_m = gain.apply(table.number(distance, &names)?);
         if !RangeSample::POSSIBLE_M.contains(&distance_m) {
             return Err(bad(&table, &names[distance], distance, "-1,000 to 1,000,000 m"));
         }
         let tag = tag.filter(|index| !table.field(*index).is_empty()).map(device).transpose()?;
         let key = (table.time(time, 9, &names)?, device(anchor)?, tag);
-        truth.rows.insert(key, TrueRange { distance_m, class: class.transpose()? });
+        truth.rows.insert(
+            key,
+            TrueRange { distance_m, class: class.transpose()?, in_the_way: in_the_way.transpose()? },
+        );
     }
     Ok(truth)
 }
@@ -133,10 +144,13 @@ mod tests {
         let half = 500_000_000;
         assert_eq!(
             of(half, "9", Some("1")).unwrap(),
-            TrueRange { distance_m: 5.5, class: Some(LinkClass::Los) }
+            TrueRange { distance_m: 5.5, class: Some(LinkClass::Los), in_the_way: None }
         );
         assert_eq!(of(half, "9", Some("2")).unwrap().class, Some(LinkClass::Ndp));
-        assert_eq!(of(2 * half, "9", Some("1")).unwrap(), TrueRange { distance_m: 7.0, class: None });
+        assert_eq!(
+            of(2 * half, "9", Some("1")).unwrap(),
+            TrueRange { distance_m: 7.0, class: None, in_the_way: None }
+        );
         assert_eq!((of(half, "8", Some("1")), of(half + 1, "9", Some("1"))), (None, None));
         // A log with tags, a truth without.
         let found = truth("time_s,anchor,true_range_cm\n0.5,9,550\n").unwrap();

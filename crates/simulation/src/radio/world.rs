@@ -102,7 +102,7 @@ pub(crate) struct DoorLine {
 
 /// What stands in the way of one link.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct InTheWay {
+pub(crate) struct Standing {
     pub detour: Detour,
     pub pillars: u8,
     pub machines: u8,
@@ -223,8 +223,8 @@ impl RadioWorld {
         wearer: Option<&super::scene::Obstacle>,
         near: &[super::scene::Obstacle],
         wavelength_m: f64,
-    ) -> InTheWay {
-        let mut found = InTheWay::default();
+    ) -> Standing {
+        let mut found = Standing::default();
         let Some(line) = Line::new(tag_m, to_m) else { return found };
         let mut add = |detour: Detour| {
             found.detour.loss_db += detour.loss_db;
@@ -259,7 +259,7 @@ impl RadioWorld {
                 *of = of.saturating_add(u8::from(add(line.detour(&screen, wavelength_m))));
             }
         }
-        InTheWay { pillars, machines, people, vehicles, wearer: wearer_blocks, ..found }
+        Standing { pillars, machines, people, vehicles, wearer: wearer_blocks, ..found }
     }
 
     /// Distance from the nearest running belt, m.

@@ -2,22 +2,20 @@
 
 use super::{read, table};
 use crate::args::NlosEvalArgs;
+use crate::judged_ranges;
 use crate::output;
 use adit_nlos::Model;
 use adit_nlos::examples::Examples;
 use adit_nlos::judging::judge;
-use anyhow::{Context, Result};
-use std::fs;
+use anyhow::Result;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Judges the model.
 pub fn run(args: &NlosEvalArgs) -> Result<()> {
     let model = match &args.model {
         None => Model::shipped()?,
-        Some(path) => {
-            let name = path.display().to_string();
-            let bytes = fs::read(path).with_context(|| format!("{name}: cannot read it"))?;
-            Model::from_bytes(&name, &bytes)?
-        }
+        Some(name) => Arc::unwrap_or_clone(judged_ranges::model(name, Path::new(""))?),
     };
     let judgement = judge(&model, &Examples::of(&read(&args.data)?));
     if args.json {

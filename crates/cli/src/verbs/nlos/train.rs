@@ -39,7 +39,11 @@ pub fn run(args: &NlosTrainArgs) -> Result<()> {
         return output::print(&(serde_json::to_string_pretty(&report)? + "\n"));
     }
     let head = format!("held out    {folds} times some geometries; the model is learnt of all\n");
-    output::print(&(head + &table::measures(model, learnt.network.is_some().then_some(baseline))))
+    let text = match &learnt.network {
+        Some(network) => table::measures((table::NETWORK, network), &[(table::BASELINE, baseline)]),
+        None => table::measures((table::BASELINE, baseline), &[]),
+    };
+    output::print(&(head + &text))
 }
 
 #[cfg(feature = "train")]
@@ -47,8 +51,9 @@ fn learn(args: &NlosTrainArgs, data: &Data, plan: &Plan) -> Result<Learnt> {
     if args.baseline {
         return Ok(learning::learn_baseline(data, plan)?);
     }
+    let ranges = data.examples.rows.len();
     let response = data.examples.rows.iter().filter(|row| row.window.is_some()).count();
-    let settings = Settings::of(2 * response > data.examples.rows.len());
+    let settings = Settings::of(2 * response > ranges, ranges);
     let bar = std::sync::OnceLock::new();
     let show = |done, total| {
         let bar: &Progress = bar.get_or_init(|| Progress::new("learning", Unit::Passes, Some(total)));

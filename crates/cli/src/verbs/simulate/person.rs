@@ -165,7 +165,7 @@ struct LinkWriter {
 impl LinkWriter {
     fn create(path: &Path) -> Result<Self> {
         let mut file = AtomicFile::create(path)?;
-        let head = "time_s,anchor_id,true_range_m,class,shortest_way_m,power_dBm";
+        let head = "time_s,anchor_id,true_range_m,class,shortest_way_m,power_dBm,in_the_way,loss_dB";
         writeln!(file, "{head}").with_context(|| format!("{}: cannot write it", path.display()))?;
         Ok(Self { file })
     }
@@ -176,10 +176,14 @@ impl LinkWriter {
             LinkClass::Nlos => "nlos",
             LinkClass::Ndp => "ndp",
         };
-        let RangeTruth { distance_m, way_m, power_dbm, .. } = truth;
+        let RangeTruth { distance_m, way_m, power_dbm, loss_db, .. } = truth;
+        let way = truth.in_the_way().name();
         let (time, anchor) = (range.time, &range.anchor);
-        writeln!(self.file, "{time},{anchor},{distance_m:.4},{class},{way_m:.4},{power_dbm:.2}")
-            .with_context(|| format!("{}: cannot write it", self.file.target().display()))
+        writeln!(
+            self.file,
+            "{time},{anchor},{distance_m:.4},{class},{way_m:.4},{power_dbm:.2},{way},{loss_db:.2}"
+        )
+        .with_context(|| format!("{}: cannot write it", self.file.target().display()))
     }
 
     fn finish(self) -> Result<PathBuf> {

@@ -14,9 +14,11 @@
 //! - A folder has the table as `meta.csv` and the impulse responses as `cir_i16le.bin`, or the table alone as `ranges.csv`, all plain or `.gz`.
 //!   Responses follow each other in the order of the rows, each [`TAPS`] taps from tap [`FIRST_TAP`] of the accumulator on: in-phase, then
 //!   quadrature amplitude, 16 bits each, little endian (the layout of the set `uwb-cir`).
+//! - A folder of `adit simulate` (`log.mcap`, `ranges_truth.csv`) is a set too: its group is the folder that holds it, as all people of a mine walk in the same.
 //!
 //! Memory: all rows; a response takes 800 bytes.
 
+mod log;
 mod responses;
 mod rows;
 
@@ -25,8 +27,9 @@ use super::table::Table;
 use crate::device::DeviceId;
 use crate::error::{At, LogError, Place};
 use crate::files::Input;
-use crate::radio::Reception;
+use crate::radio::{InTheWay, Reception};
 use crate::warning::LogWarning;
+use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -54,6 +57,10 @@ pub struct LabelledRange {
     pub group: usize,
     /// What somebody has told.
     pub class: LinkClass,
+    /// What stood in the way, where the set tells.
+    pub in_the_way: Option<InTheWay>,
+    /// When, where the set tells: a log does, a table does not.
+    pub time: Option<Time>,
     /// The anchor, where the set tells.
     pub anchor: Option<DeviceId>,
     /// The range as measured, m.
@@ -77,6 +84,8 @@ pub struct LabelledRanges {
     pub ranges: Vec<LabelledRange>,
     /// Whether the set tells [`LinkClass::Ndp`] from [`LinkClass::Nlos`].
     pub tells_ndp: bool,
+    /// Whether it tells of every range what stood in the way.
+    pub tells_in_the_way: bool,
     /// What was odd: ignored columns.
     pub warnings: Vec<LogWarning>,
 }
@@ -116,6 +125,9 @@ pub fn read(path: impl AsRef<Path>) -> Result<LabelledRanges, LogError> {
 }
 
 fn folder(path: &Path) -> Result<LabelledRanges, LogError> {
+    if let (Some(log), Some(truth)) = (beside(path, "log.mcap"), beside(path, "ranges_truth.csv")) {
+        return log::read(path, &log, &truth);
+    }
     match (beside(path, "meta.csv"), beside(path, "cir_i16le.bin"), beside(path, "ranges.csv")) {
         (Some(table), Some(responses), _) => from_inputs(Input::open(table)?, Some(Input::open(responses)?)),
         (None, None, Some(table)) => from_inputs(Input::open(table)?, None),
@@ -127,7 +139,7 @@ fn folder(path: &Path) -> Result<LabelledRanges, LogError> {
                 (None, Some(_)) => "cir_i16le.bin without meta.csv".to_owned(),
                 _ => "neither".to_owned(),
             },
-            expected: "meta.csv and cir_i16le.bin, or ranges.csv (each plain or .gz)".to_owned(),
+            expected: "meta.csv and cir_i16le.bin, or ranges.csv (each plain or .gz), or log.mcap and ranges_truth.csv".to_owned(),
         }),
     }
 }

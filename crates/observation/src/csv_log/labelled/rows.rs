@@ -59,6 +59,7 @@ pub fn read(input: Input) -> Result<LabelledRanges, LogError> {
         groups: Vec::new(),
         ranges: Vec::new(),
         tells_ndp: matches!(columns.label, Label::Name(_)),
+        tells_in_the_way: false,
         warnings: Vec::new(),
     };
     while table.next()? {
@@ -133,7 +134,10 @@ impl Columns {
         let anchor =
             self.anchor.and_then(|index| DeviceId::new(std::str::from_utf8(table.field(index)).ok()?));
         match reception.fault() {
-            None => Ok(LabelledRange { group, class, anchor, range_m, true_range_m, reception }),
+            None => {
+                let (in_the_way, time) = (None, None);
+                Ok(LabelledRange { group, class, in_the_way, time, anchor, range_m, true_range_m, reception })
+            }
             Some(fault) => Err(fault_of(fault, table)),
         }
     }

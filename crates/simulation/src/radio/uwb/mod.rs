@@ -25,10 +25,10 @@ use super::keyed::{exponential, normal, uniform};
 use super::paths::Path;
 use super::scene::{Antenna, Surroundings, wearer};
 use super::tag::Tag;
-use super::world::{AnchorSite, InTheWay, Purpose, RadioWorld};
+use super::world::{AnchorSite, Purpose, RadioWorld, Standing};
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
-use adit_observation::{ImpulseResponse, Radio, RangeSample};
+use adit_observation::{ImpulseResponse, InTheWay, Radio, RangeSample};
 use receiver::{Channel, DIRECT_TAP, Receiver, TAPS};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -93,6 +93,18 @@ pub struct Blockers {
     pub doors: u8,
 }
 
+impl RangeTruth {
+    /// What stood in the way, by its shadow.
+    pub fn in_the_way(&self) -> InTheWay {
+        match self.class {
+            _ if self.blockers.rock => InTheWay::Rock,
+            LinkClass::Los => InTheWay::Nothing,
+            _ if self.loss_db < InTheWay::DEEP_DB => InTheWay::Shallow,
+            _ => InTheWay::Deep,
+        }
+    }
+}
+
 /// A range and its truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeOutcome {
@@ -110,7 +122,7 @@ pub(crate) struct Heard {
     direct_dbm: f64,
     echoes_dbm: f64,
     loss_db: f64,
-    in_the_way: InTheWay,
+    in_the_way: Standing,
 }
 
 impl Heard {
