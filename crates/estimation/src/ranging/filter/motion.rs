@@ -22,8 +22,7 @@
 //! metre or of a kilometre.
 
 use super::params::FilterParams;
-use super::state::STATES;
-use adit_core::nalgebra::{Matrix2, SVector};
+use adit_core::nalgebra::Matrix2;
 
 /// Transition and noise of a coordinate and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +44,8 @@ const RATE: usize = 3;
 
 impl Pair {
     /// Carries coordinate `axis` and its rate over the interval.
-    pub fn apply(&self, x: &mut SVector<f64, STATES>, axis: usize) {
+    #[inline]
+    pub fn apply(&self, x: &mut [f64], axis: usize) {
         let ([place, rate], m) = ([x[axis], x[axis + RATE]], &self.transition);
         x[axis] = m[(0, 0)] * place + m[(0, 1)] * rate;
         x[axis + RATE] = m[(1, 0)] * place + m[(1, 1)] * rate;

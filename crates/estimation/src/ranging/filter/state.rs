@@ -2,7 +2,6 @@
 
 use super::motion::Motion;
 use super::params::{ErrorParams, FilterParams};
-use crate::kalman::dense::propagate;
 use crate::ranging::listener::Link;
 use adit_core::nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 use adit_core::time::Time;
@@ -21,10 +20,8 @@ const COMMON: usize = 6;
 const HEADING: usize = 7;
 /// Metres walked for each metre reckoned.
 const SCALE: usize = 8;
-/// First of the constant errors of the links, m.
-const CONSTANT: usize = 9;
-/// First of those that pass, m.
-const PASSING: usize = 9 + SLOTS;
+/// First of the errors of the links, m: of each that which stays, then that which passes.
+const LINKS: usize = 9;
 
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
@@ -68,6 +65,25 @@ pub(super) struct State {
     x: Vector,
     p: Covariance,
     slots: [Option<Slot>; SLOTS],
+}
+
+/// Where the error of a slot that stays is.
+const fn constant_of(slot: usize) -> usize {
+    LINKS + 2 * slot
+}
+
+/// Where the error of a slot that passes is.
+const fn passing_of(slot: usize) -> usize {
+    LINKS + 2 * slot + 1
+}
+
+/// Both errors of each link are forgotten in part.
+#[inline]
+fn forget_in_part(x: &mut [f64], [constant, passing]: [f64; 2]) {
+    for errors in x[LINKS..].chunks_exact_mut(2) {
+        errors[0] *= constant;
+        errors[1] *= passing;
+    }
 }
 
 /// What a range says of the state before it is weighed.
@@ -134,7 +150,7 @@ impl State {
         self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(place_m2);
         self.forget_velocity(params);
         // Where the place was wrong, what was learnt of the offsets there was wrong too.
-        for index in (PASSING..STATES).chain(CONSTANT..PASSING).chain([COMMON]) {
+        for index in (LINKS..STATES).chain([COMMON]) {
             self.x[index] = 0.0;
             self.forget(index);
         }
@@ -171,7 +187,7 @@ impl State {
     /// Constant offsets of the links in the slots, with the common one: anchor, tag, offset.
     pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, OffsetFound)> {
         self.slots.iter().enumerate().filter_map(|(slot, held)| {
-            let (held, index) = (held.as_ref()?, CONSTANT + slot);
+            let (held, index) = (held.as_ref()?, constant_of(slot));
             let variance = self.p[(COMMON, COMMON)] + 2.0 * self.p[(COMMON, index)] + self.p[(index, index)];
             let offset_m = self.x[COMMON] + self.x[index];
             Some((held.anchor, held.tag, OffsetFound { offset_m, sigma_m: root(variance) }))
@@ -194,24 +210,21 @@ impl State {
         self.time = to;
         let motion = Motion::over(dt, params);
         let mean_m = params.height.mean_m(self.hung_m()).unwrap_or(self.x[2]);
-        let [constant, passing] = self.fading(dt, &params.errors);
-        let transition = |x: &Vector| {
-            let mut next = *x;
-            motion.level.apply(&mut next, 0);
-            motion.level.apply(&mut next, 1);
-            motion.vertical.apply(&mut next, 2);
-            next.fixed_rows_mut::<SLOTS>(CONSTANT).scale_mut(constant);
-            next.fixed_rows_mut::<SLOTS>(PASSING).scale_mut(passing);
-            next
+        let left = fading(dt, &params.errors);
+        let transition = |x: &mut [f64]| {
+            motion.level.apply(x, 0);
+            motion.level.apply(x, 1);
+            motion.vertical.apply(x, 2);
+            forget_in_part(x, left);
         };
         self.x[2] -= mean_m;
-        self.x = transition(&self.x);
+        transition(self.x.as_mut_slice());
         self.x[2] += mean_m;
-        propagate(&mut self.p, transition);
+        self.carry(transition);
         for (axis, pair) in [(0, &motion.level), (1, &motion.level), (2, &motion.vertical)] {
             self.add_noise(axis, pair.noise);
         }
-        self.fade(constant, passing, &params.errors);
+        self.fade(left, &params.errors);
     }
 
     /// To a later time, along a way that dead reckoning tells, m (east, north as it takes them): `p ← p + k R(δ) Δ`.
@@ -225,36 +238,31 @@ impl State {
         self.time = to;
         let motion = Motion::over(dt, params);
         let mean_m = params.height.mean_m(self.hung_m()).unwrap_or(self.x[2]);
-        let [constant, passing] = self.fading(dt, &params.errors);
+        let left = fading(dt, &params.errors);
         let (sin, cos) = libm::sincos(self.x[HEADING]);
         let turned = Vector2::new(cos * way_m.x - sin * way_m.y, sin * way_m.x + cos * way_m.y);
         let scale = self.x[SCALE];
         let by_heading = Vector2::new(-turned.y, turned.x) * scale;
-        let transition = |x: &Vector| {
-            let mut next = *x;
-            next[0] += by_heading.x * x[HEADING] + turned.x * x[SCALE];
-            next[1] += by_heading.y * x[HEADING] + turned.y * x[SCALE];
-            motion.vertical.apply(&mut next, 2);
-            next.fixed_rows_mut::<SLOTS>(CONSTANT).scale_mut(constant);
-            next.fixed_rows_mut::<SLOTS>(PASSING).scale_mut(passing);
-            next
-        };
         let way = turned * scale;
         self.x[0] += way.x;
         self.x[1] += way.y;
         self.x[2] -= mean_m;
-        motion.vertical.apply(&mut self.x, 2);
+        motion.vertical.apply(self.x.as_mut_slice(), 2);
         self.x[2] += mean_m;
-        self.x.fixed_rows_mut::<SLOTS>(CONSTANT).scale_mut(constant);
-        self.x.fixed_rows_mut::<SLOTS>(PASSING).scale_mut(passing);
-        propagate(&mut self.p, transition);
+        forget_in_part(self.x.as_mut_slice(), left);
+        self.carry(|x: &mut [f64]| {
+            x[0] += by_heading.x * x[HEADING] + turned.x * x[SCALE];
+            x[1] += by_heading.y * x[HEADING] + turned.y * x[SCALE];
+            motion.vertical.apply(x, 2);
+            forget_in_part(x, left);
+        });
         let reckoning = &params.reckoning;
         let level = square(reckoning.way_share * way.norm()) + square(reckoning.standing_m_sqrt_s) * dt;
         self.p[(0, 0)] += level;
         self.p[(1, 1)] += level;
         self.add_noise(2, motion.vertical.noise);
         self.p[(HEADING, HEADING)] += square(reckoning.heading_walk_deg_sqrt_s.to_radians()) * dt;
-        self.fade(constant, passing, &params.errors);
+        self.fade(left, &params.errors);
         if dt > 0.0 {
             // The way tells how fast, not the state; it serves ranges that come a little late.
             let speed = way / dt;
@@ -270,18 +278,42 @@ impl State {
         self.p[(VELOCITY + axis, VELOCITY + axis)] += velocity;
     }
 
-    /// What is left of both errors of an anchor after a time.
-    #[expect(clippy::unused_self, reason = "reads as the state's own")]
-    fn fading(&self, dt: f64, errors: &ErrorParams) -> [f64; 2] {
-        [errors.offset_s, errors.correlation_s].map(|time_s| libm::exp(-dt / time_s))
+    /// `P ← Φ P Φᵀ`, by what Φ does to a column; slots that nobody holds are zero and stay so.
+    #[inline]
+    fn carry(&mut self, transition: impl Fn(&mut [f64])) {
+        let held = self.held();
+        for _ in 0..2 {
+            for column in self.p.as_mut_slice().chunks_exact_mut(STATES).take(held) {
+                transition(&mut column[..held]);
+            }
+            for column in 1..held {
+                for row in 0..column {
+                    self.p.swap((row, column), (column, row));
+                }
+            }
+        }
+        for column in 1..held {
+            for row in 0..column {
+                let mean = 0.5 * (self.p[(row, column)] + self.p[(column, row)]);
+                self.p[(row, column)] = mean;
+                self.p[(column, row)] = mean;
+            }
+        }
     }
 
-    /// The variance that both errors of each anchor in a slot take up anew.
-    fn fade(&mut self, constant: f64, passing: f64, errors: &ErrorParams) {
+    /// States up to the last slot that is held: they are given out from the first.
+    fn held(&self) -> usize {
+        LINKS + 2 * self.slots.iter().flatten().count()
+    }
+
+    /// The variance that both errors of each link in a slot take up anew.
+    fn fade(&mut self, [constant, passing]: [f64; 2], errors: &ErrorParams) {
         let anew = |left: f64, sigma: f64| (1.0 - left * left) * sigma * sigma;
+        let [constant, passing] =
+            [anew(constant, errors.anchor_offset_sigma_m), anew(passing, errors.passing_sigma_m)];
         for slot in (0..SLOTS).filter(|slot| self.slots[*slot].is_some()) {
-            self.p[(CONSTANT + slot, CONSTANT + slot)] += anew(constant, errors.anchor_offset_sigma_m);
-            self.p[(PASSING + slot, PASSING + slot)] += anew(passing, errors.passing_sigma_m);
+            self.p[(constant_of(slot), constant_of(slot))] += constant;
+            self.p[(passing_of(slot), passing_of(slot))] += passing;
         }
     }
 
@@ -297,9 +329,10 @@ impl State {
         }
         let oldest = (0..SLOTS).min_by_key(|slot| self.slots[*slot].map(|held| held.heard)).unwrap_or(0);
         self.slots[oldest] = Some(fresh);
-        for (index, sigma) in
-            [(CONSTANT + oldest, errors.anchor_offset_sigma_m), (PASSING + oldest, errors.passing_sigma_m)]
-        {
+        for (index, sigma) in [
+            (constant_of(oldest), errors.anchor_offset_sigma_m),
+            (passing_of(oldest), errors.passing_sigma_m),
+        ] {
             self.x[index] = 0.0;
             self.forget(index);
             self.p[(index, index)] = sigma * sigma;
@@ -322,19 +355,25 @@ impl State {
         let curvature = (Matrix3::identity() - toward * toward.transpose()) / distance;
         let bent = curvature * self.place_covariance_m2();
         let (bias, spread) = (0.5 * bent.trace(), 0.5 * (bent * bent).trace());
-        let errors = [COMMON, CONSTANT + slot, PASSING + slot];
+        let errors = [COMMON, constant_of(slot), passing_of(slot)];
         let measured = (link.ranged.range_m - model.offset_m) / model.scale;
         let predicted = distance + bias + errors.iter().map(|index| self.x[*index]).sum::<f64>();
         // P Hᵀ of the few columns that count.
-        let mut cross = Vector::zeros();
+        let (held, mut cross) = (self.held(), Vector::zeros());
+        let mut add = |column: usize, factor: f64| {
+            let column = &self.p.as_slice()[column * STATES..column * STATES + held];
+            for (sum, value) in cross.as_mut_slice().iter_mut().zip(column) {
+                *sum += value * factor;
+            }
+        };
         for axis in 0..3 {
-            cross += self.p.column(axis) * toward[axis];
+            add(axis, toward[axis]);
             if age > 0.0 {
-                cross -= self.p.column(VELOCITY + axis) * (toward[axis] * age);
+                add(VELOCITY + axis, -toward[axis] * age);
             }
         }
         for index in errors {
-            cross += self.p.column(index);
+            add(index, 1.0);
         }
         let mut seen = errors.iter().map(|index| cross[*index]).sum::<f64>();
         for axis in 0..3 {
@@ -358,7 +397,7 @@ impl State {
     pub fn correct(&mut self, innovation: &Innovation, variance_m2: f64) {
         let cross = &innovation.cross;
         self.x += cross * (innovation.value_m / variance_m2);
-        for column in 0..STATES {
+        for column in 0..self.held() {
             let gain = cross[column] / variance_m2;
             for row in 0..=column {
                 let value = self.p[(row, column)] - cross[row] * gain;
@@ -438,6 +477,11 @@ impl State {
             self.p.column_mut(index).scale_mut(root);
         }
     }
+}
+
+/// What is left of both errors of a link after a time.
+fn fading(dt: f64, errors: &ErrorParams) -> [f64; 2] {
+    [errors.offset_s, errors.correlation_s].map(|time_s| libm::exp(-dt / time_s))
 }
 
 fn square(value: f64) -> f64 {
