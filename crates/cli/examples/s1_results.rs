@@ -2,12 +2,15 @@
 //!
 //! `adit compare scenarios/s1.toml` over 30 seeds next to the paper, and where dead reckoning alone is after a minute. Called by `ci/results.sh`.
 
+#[path = "support/comparison.rs"]
+mod comparison;
+
 use adit_observation::truth;
 use anyhow::{Context, Result, bail};
+use comparison::{compare, number, path, run};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use tempfile::TempDir;
 
 const SEEDS: &str = "30";
@@ -20,33 +23,10 @@ fn main() -> Result<()> {
         bail!("usage: s1_results ADIT SCENARIOS OUT.md FIGURE.svg")
     };
     let folder = TempDir::new()?;
-    let scenario = path(&scenarios.join("s1.toml"))?;
-    let (json, page) = (folder.path().join("c.json"), folder.path().join("c.html"));
-    run(adit, &["compare", &scenario, "--seeds", SEEDS, "-o", &path(&page)?, "--json", &path(&json)?])?;
-    let report: Value = serde_json::from_str(&std::fs::read_to_string(&json)?)?;
-    std::fs::write(figure, distribution(&std::fs::read_to_string(&page)?)?)?;
+    let (report, distribution) = compare(adit, &scenarios.join("s1.toml"), SEEDS)?;
+    std::fs::write(figure, distribution)?;
     let text = table(&report)? + "\n" + &after_a_minute(adit, scenarios, folder.path())?;
     std::fs::write(out, text).with_context(|| out.display().to_string())
-}
-
-fn path(path: &Path) -> Result<String> {
-    path.to_str().map(str::to_owned).context("a path that is text")
-}
-
-fn run(adit: &Path, args: &[&str]) -> Result<()> {
-    let output = Command::new(adit).args(args).output().context("adit cannot be run")?;
-    if !output.status.success() {
-        bail!("adit {}: {}", args.join(" "), String::from_utf8_lossy(&output.stderr));
-    }
-    Ok(())
-}
-
-/// The figure under the heading of the distributions.
-fn distribution(page: &str) -> Result<String> {
-    let after = page.split("Distribution of the position errors").nth(1);
-    let figure =
-        after.and_then(|rest| rest.split("<svg").nth(1)).and_then(|rest| rest.split("</svg>").next());
-    Ok(format!("<svg{}</svg>\n", figure.context("a page with distributions")?))
 }
 
 fn table(report: &Value) -> Result<String> {
@@ -65,10 +45,7 @@ fn table(report: &Value) -> Result<String> {
         "| {SEEDS} seeds, all records | paper: mean | largest | below 2 m | adit: mean | largest | median run's largest | below 2 m |\n|---|---:|---:|---:|---:|---:|---:|---:|\n"
     );
     for (name, mean, largest, share) in paper {
-        let of = |at: &str| {
-            let value = report["methods"][name].pointer(at).and_then(Value::as_f64);
-            value.with_context(|| format!("{name}{at} in the report"))
-        };
+        let of = |at: &str| number(&report["methods"][name], at).context(name);
         writeln!(
             text,
             "| {name} | {mean} | {largest} | {share} | {:.2} m | {:.2} m | {:.2} m | {:.2} % |",

@@ -36,6 +36,12 @@ pub enum MethodName {
     UwbLs,
     /// UWB ranges and steps of a tag at the waist, weighed by what is in the way, as system S4 joins them; needs --mine
     UwbPdr,
+    /// UWB ranges in an extended Kalman filter that finds offsets of the anchors; needs --mine
+    UwbEkf,
+    /// The same, robust: the farther off a range is, the less it counts; needs --mine
+    UwbRkf,
+    /// The same, adaptive: noise that follows the innovations; needs --mine
+    UwbAekf,
     /// Attitude alone, of a tag worn anywhere: gyro, accelerometer and, where there is one, magnetometer
     Ahrs,
 }
@@ -78,6 +84,18 @@ macro_rules! with_settings {
             }
             $crate::method::MethodName::UwbPdr => {
                 type $settings = adit_estimation::methods::uwb_pdr::UwbPdrParams;
+                $body
+            }
+            $crate::method::MethodName::UwbEkf => {
+                type $settings = adit_estimation::methods::uwb_filter::UwbEkfParams;
+                $body
+            }
+            $crate::method::MethodName::UwbRkf => {
+                type $settings = adit_estimation::methods::uwb_filter::UwbRkfParams;
+                $body
+            }
+            $crate::method::MethodName::UwbAekf => {
+                type $settings = adit_estimation::methods::uwb_filter::UwbAekfParams;
                 $body
             }
             $crate::method::MethodName::Ahrs => {
@@ -134,6 +152,9 @@ impl MethodName {
                 | Self::PdrWifi
                 | Self::UwbLs
                 | Self::UwbPdr
+                | Self::UwbEkf
+                | Self::UwbRkf
+                | Self::UwbAekf
                 | Self::Ahrs
                 | Self::ReducedInsWifi
                 | Self::FullInsWifi,

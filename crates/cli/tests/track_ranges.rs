@@ -136,3 +136,44 @@ fn ranges_that_tell_how_they_came_are_judged_on_their_way() {
     let Outcome { code, stderr, .. } = adit(here, &steps);
     assert!(code == 2 && stderr.contains("foot-ins makes no use of ranges"), "{stderr}");
 }
+
+#[test]
+fn filters_follow_the_tag_and_tell_what_they_found() {
+    let folder = laboratory();
+    let folder = folder.path();
+    fs::write(folder.join("filter.toml"), "[filter.height]\nheight_m = 1.1\nsigma_m = 0.05\n").unwrap();
+    for method in ["uwb-ekf", "uwb-rkf", "uwb-aekf"] {
+        let walk = ["track", "ranges.csv", "--method", method, "--mine", "anchors.csv"];
+        let to = ["--config", "filter.toml", "-o", "walk.tum", "--json", "walk.json"];
+        let Outcome { code, stderr, .. } = adit(folder, &[&walk[..], &to].concat());
+        assert_eq!(code, 0, "{method}: {stderr}");
+        let report: Value = serde_json::from_slice(&fs::read(folder.join("walk.json")).unwrap()).unwrap();
+        let report = &report["method_report"];
+        assert_eq!((&report["ranges"], &report["unknown_ranges"]), (&820.into(), &20.into()), "{method}");
+        let filter = &report["filter"];
+        let counted = filter["used"].as_u64().unwrap() + filter["before_start"].as_u64().unwrap();
+        assert_eq!((counted, filter["refused"].as_u64().unwrap()), (800, 0), "{method}: {filter}");
+        assert_eq!(filter["offsets"].as_array().unwrap().len(), 4, "{method}: {filter}");
+        let eval = ["eval", "walk.tum", "--truth", "truth.csv", "--align", "none", "--json"];
+        let Outcome { code, stdout, stderr } = adit(folder, &eval);
+        assert_eq!(code, 0, "{method}: {stderr}");
+        let errors: Value = serde_json::from_str(&stdout).unwrap();
+        // Without noise: the offset is not known at first, and the height only to 5 cm.
+        assert!(errors["rmse_2d_m"].as_f64().unwrap() < 0.1, "{method}: {errors}");
+    }
+    fs::write(folder.join("bad.toml"), "[weighting]\nkind = \"igg3\"\nnone = 0.5\n").unwrap();
+    let bad = [
+        "track",
+        "ranges.csv",
+        "--method",
+        "uwb-rkf",
+        "--mine",
+        "anchors.csv",
+        "--config",
+        "bad.toml",
+        "-o",
+        "x.tum",
+    ];
+    let Outcome { code, stderr, .. } = adit(folder, &bad);
+    assert!(code == 1 && stderr.contains("setting weighting.none of uwb-rkf cannot be used"), "{stderr}");
+}

@@ -1,4 +1,5 @@
 //! Corrections of ranges, applied.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use adit_core::time::Time;
 use adit_estimation::ranging::correction::{

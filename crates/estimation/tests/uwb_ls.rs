@@ -119,9 +119,10 @@ fn every_epoch_is_a_position_as_sure_as_it_says() {
         let errors = level_errors(&solutions);
         let expected = solutions.iter().map(|one| one.covariance[(0, 0)] + one.covariance[(1, 1)]);
         let expected = (expected.sum::<f64>() / f64::from(EPOCHS)).sqrt();
-        // The fit believes in long tails (its variance is 7/5 of that of normal errors) that are not here; the linear one in normal errors.
+        // The fit believes in long tails that are not here: ν/(ν−2) = 2 times the variance of normal errors with four ranges, a share of 1/√2 and some per cent
+        // for its weights; the linear one in normal errors. Shares over 400 epochs: ±0.025.
         let share = rms(&errors) / expected;
-        let honest = if kind == SolverKind::Linear { 0.9..1.1 } else { 0.75..1.0 };
+        let honest = if kind == SolverKind::Linear { 0.9..1.1 } else { 0.65..0.8 };
         assert!(honest.contains(&share), "{kind:?}: {share}");
         assert!(solutions.windows(2).all(|pair| pair[0].time < pair[1].time));
         // Mean time of four that are 5 ms apart.

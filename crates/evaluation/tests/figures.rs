@@ -10,9 +10,9 @@ use adit_core::time::Time;
 use adit_core::trajectory::{Pose, Trajectory};
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::plot::{
-    AllanAxis, AllanPanel, AllanParts, DistributionCurve, MAX_POINTS, MagneticCloud, PathCurve, Role,
-    TimeCurve, allan_figure, distribution_figure, evaluation_figure, magnetometer_figure, path_figure,
-    time_figure,
+    AllanAxis, AllanPanel, AllanParts, DistributionCurve, ErrorDots, MAX_POINTS, MagneticCloud, PathCurve,
+    RangeErrors, Role, TimeCurve, allan_figure, distribution_figure, evaluation_figure, magnetometer_figure,
+    path_figure, range_figure, time_figure,
 };
 use adit_evaluation::statistics::Distribution;
 use adit_evaluation::{EvaluationError, EvaluationOptions, evaluate};
@@ -216,6 +216,38 @@ fn a_calibration_shows_before_and_after() {
             assert!(svg.contains(shown), "{shown}");
         }
         assert!(svg.len() < 600_000, "{} bytes", svg.len());
+    }
+}
+
+#[test]
+fn errors_of_ranges_show_what_is_taken_off() {
+    for count in [1, 2, 50_000] {
+        let points: Vec<(f64, f64)> = (0..count)
+            .map(|i| {
+                let power = -105.0 + 25.0 * f64::from(i) / f64::from(count);
+                (power, 0.3 * (-power / 90.0).powi(8) + 0.1 * (f64::from(i) * 0.7).sin())
+            })
+            .collect();
+        let sizes: Vec<f64> = points.iter().map(|p| p.1.abs()).collect();
+        let distribution = |label: &str| DistributionCurve {
+            label: label.to_owned(),
+            distribution: Distribution::of(&sizes).unwrap(),
+        };
+        let errors = RangeErrors {
+            of: "received power (dBm)".to_owned(),
+            dots: vec![ErrorDots { label: "not straight".to_owned(), points }],
+            taken_off: vec![(-105.0, 0.9, 0.3), (-80.0, 0.1, 0.1)],
+            distributions: vec![distribution("as measured"), distribution("corrected")],
+        };
+        let svg = range_figure(&errors, "hall").unwrap();
+        keep(&format!("ranges-{count}"), &svg);
+        assert_sound(&svg);
+        for shown in ["received power (dBm)", "error (m)", "not straight", "taken off", "share of ranges"] {
+            assert!(svg.contains(shown), "{shown}");
+        }
+        assert!(svg.len() < 600_000, "{} bytes", svg.len());
+        let none = RangeErrors { dots: Vec::new(), ..errors };
+        assert!(matches!(range_figure(&none, ""), Err(EvaluationError::Plot { .. })));
     }
 }
 

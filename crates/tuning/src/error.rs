@@ -40,11 +40,13 @@ pub enum TuningError {
     },
     /// Nothing is left to judge on.
     #[error(
-        "ranges of {found} place, geometry or walk, expected 2 or more: what one tells is judged on others"
+        "the ranges are of {found} places, geometries or walks, expected {expected} or more: what some tell is judged on others"
     )]
-    OneGroup {
+    FewGroups {
         /// How many there are.
         found: usize,
+        /// How many are needed.
+        expected: usize,
     },
     /// The magnetometer was hardly turned, or about one axis only.
     #[error(

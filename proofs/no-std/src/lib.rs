@@ -28,6 +28,8 @@ pub fn first_failed() -> u8 {
         a_sample_at_rest_is_an_observation,
         #[cfg(feature = "estimation")]
         a_foot_at_rest_stays_where_it_is,
+        #[cfg(feature = "estimation")]
+        a_tag_is_found_by_its_ranges,
         #[cfg(feature = "mine")]
         a_mine_knows_its_ways_and_its_rock,
     ];
@@ -126,6 +128,26 @@ fn a_foot_at_rest_stays_where_it_is() -> Option<bool> {
     let last = last?;
     // A millimetre: the tilt is found within the first samples, and the velocity held at zero from then on.
     Some(last.time.seconds() == 3.0 && last.position_m.norm() < 1e-3 && last.radius_95_m() < 1.0)
+}
+
+#[cfg(feature = "estimation")]
+fn a_tag_is_found_by_its_ranges() -> Option<bool> {
+    use adit_estimation::ranging::filter::weighting::Weighting;
+    use adit_estimation::ranging::filter::{FilterParams, RangeFilter};
+    use adit_estimation::ranging::listener::Link;
+    use adit_estimation::ranging::{RangeModel, Ranged};
+    let anchors = [[2.0, 0.2, 3.2], [18.0, 0.2, 2.0], [22.0, 15.8, 3.2], [6.0, 15.8, 2.0]].map(Vector3::from);
+    let mut filter = RangeFilter::new(FilterParams::default(), Weighting::default()).ok()?;
+    let tag = Vector3::new(12.0, 8.0, 1.5);
+    for tick in 0..400 {
+        let anchor = tick % 4;
+        let model = RangeModel { offset_m: 0.0, scale: 1.0, sigma_m: 0.08 };
+        let ranged = Ranged { position_m: anchors[anchor], model, range_m: (tag - anchors[anchor]).norm() };
+        let time = Time::from_nanos(25_000_000 * i64::try_from(tick).ok()?);
+        filter.observe(&Link { time, anchor, ranged, line_of_sight: None }, 0);
+    }
+    // The prior of the height, 1.6 m, against ranges without error.
+    Some((filter.solution()?.position_m - tag).norm() < 0.1)
 }
 
 #[cfg(feature = "mine")]

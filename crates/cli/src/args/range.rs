@@ -10,7 +10,7 @@ The data, any mixture of:
   labelled  a folder with ranges.csv or meta.csv, or such a table: range_m, true_range_m, label or nlos, and which rows are of one place
             (tag_location_id, geometry_id, room_id, group_id; or tag_height_m)
   logs      with the truth beside them: log.mcap with ranges_truth.csv as `adit simulate` writes it, NAME_ranges.csv with NAME_ranges_truth.csv; or
-            positions (NAME_truth.csv, truth.tum) together with --mine. Each log is one group; a single one becomes five, by time
+            positions (NAME_truth.csv, truth.tum) together with --mine. Each log is one group, one or two alone are cut in five by time
 
 What is learnt: offsets common to all anchors or of each (those of the mine count as zero and are replaced), and the error of signals that came
 straight, that did not, and that nobody has judged: nothing, a constant, a polynomial of the range, or a curve of the received power and the like.

@@ -20,6 +20,7 @@ const MOST_HELD: usize = 1024;
 
 /// What happened next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "a queue of a few; a box would be an allocation a step")]
 pub enum Event {
     /// Dead reckoning has come to a place, in its own frame.
     Reckoned(Solution),

@@ -34,6 +34,7 @@ pub mod pdr;
 pub mod pdr_wifi;
 mod somewhere;
 mod tunable;
+pub mod uwb_filter;
 pub mod uwb_ls;
 pub mod uwb_pdr;
 pub mod wifi;

@@ -44,8 +44,12 @@ pub struct Problem<'a> {
 pub struct Minimum {
     pub position_m: Vector2<f64>,
     pub offset: f64,
-    /// Of east, north and offset.
+    /// Of east, north and offset, as of many readings.
     pub covariance: Matrix3<f64>,
+    /// `Σ g gᵀ` of the gradients over σ, unweighted, in the same order.
+    pub information: Matrix3<f64>,
+    /// Information of place and offset beside the readings.
+    pub prior: Matrix3<f64>,
     pub cost: f64,
 }
 
@@ -217,7 +221,14 @@ pub fn solve(
     let expected = dof_plus_one / (problem.dof + 3.0);
     let covariance = (here.information * expected + prior_matrix).cholesky()?.inverse();
     let finite = position.iter().chain([&offset, &here.cost]).all(|value| value.is_finite());
-    finite.then_some(Minimum { position_m: position, offset, covariance, cost: here.cost })
+    finite.then_some(Minimum {
+        position_m: position,
+        offset,
+        covariance,
+        information: here.information,
+        prior: prior_matrix,
+        cost: here.cost,
+    })
 }
 
 impl Minimum {

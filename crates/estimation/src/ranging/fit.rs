@@ -9,10 +9,13 @@
 //! minima the other one has the share `w = 1 / (1 + exp(ΔJ))` of the probability; its place δ away adds `w δ δᵀ` to the covariance. Of two
 //! equally good ones the lower is taken: anchors hang above people.
 //!
-//! Limits: the covariance is that of the expected information, true of many ranges (of 48 the normalised squared error is 3.16 of 3) and bold of few
-//! (3.54 with 12). A single range with an area is searched along its circle, slowly: it need not arrive.
+//! The covariance is that of the expected information, larger for few ranges (`few.rs`).
+//!
+//! Limits: a single range with an area is searched along its circle, slowly: it need not arrive.
 
+use super::few;
 use super::linear::linear;
+use super::minima::{Spot, best, tell};
 use super::spheres::three_spheres;
 use super::{Height, Ranged, RangingFix};
 use crate::radio::AreaPrior;
@@ -40,14 +43,6 @@ impl Default for FitParams {
 
 /// Standard deviation of a height of which nothing is known, m.
 const ANY_HEIGHT_M: f64 = 1e6;
-/// A place that is not sure to this, m, is none.
-const NOT_TOLD_M: f64 = 1e4;
-/// Minima whose costs differ by less are equally good.
-const EQUAL: f64 = 1e-6;
-/// A minimum less probable than this is none.
-const UNLIKELY: f64 = 1e-3;
-/// So many standard deviations apart, squared, two searches have ended in two minima.
-const APART: f64 = 9.0;
 /// No anchor is farther from the origin than this, m.
 const FARTHEST_M: f64 = 1e9;
 /// Nearer to an anchor than this, m, nothing changes any more.
@@ -66,7 +61,7 @@ pub fn fit(ranges: &[Ranged], area: Option<&AreaPrior>, params: &FitParams) -> O
     if !ranges.iter().all(|one| one.position_m.iter().all(|value| value.abs() < FARTHEST_M)) {
         return None;
     }
-    let normal = normal_of(ranges, &middle, known_m.is_none());
+    let normal = normal_of(ranges.iter().map(|one| one.position_m), &middle, known_m.is_none());
     // Off the plane, where the cost would have a saddle: `Σ d_i² = n ‖p − middle‖² + Σ ‖p_i − middle‖²`.
     let squares = ranges.iter().map(|one| {
         let (distance, _) = one.distance_m();
@@ -89,7 +84,10 @@ pub fn fit(ranges: &[Ranged], area: Option<&AreaPrior>, params: &FitParams) -> O
     let groups = ranges.len().div_ceil(LANES);
     let search = |start: Vector3<f64>| {
         let above = if sigma_m > 0.0 { start.z - height_m } else { 0.0 };
-        solve(groups, residuals, (start.xy(), above), &problem)
+        let minimum = solve(groups, residuals, (start.xy(), above), &problem)?;
+        let Minimum { position_m, offset, information, prior, cost, .. } = minimum;
+        let covariance_m2 = few::covariance(&information, &prior, ranges.len(), params.dof)?;
+        Some(Spot { position_m: position_m.push(height_m + offset), covariance_m2, cost })
     };
     let [lower, upper] = match ranges {
         [a, b, c] => three_spheres(&[*a, *b, *c]).map_or([None; 2], |both| both.map(Some)),
@@ -97,50 +95,23 @@ pub fn fit(ranges: &[Ranged], area: Option<&AreaPrior>, params: &FitParams) -> O
     };
     let straight = linear(ranges, params.height).map(|fix| fix.position_m);
     let starts = [Some(beside.xy().push(height_m)), straight, lower, upper];
-    let mut minima: [Option<Minimum>; 5] = [None; 5];
-    for (minimum, start) in minima.iter_mut().zip(starts) {
-        *minimum = start.and_then(search);
+    let mut spots: [Option<Spot>; 5] = [None; 5];
+    for (spot, start) in spots.iter_mut().zip(starts) {
+        *spot = start.and_then(search);
     }
-    let place = |minimum: &Minimum| minimum.position_m.push(height_m + minimum.offset);
-    let first = best(&minima)?;
-    let off = normal.dot(&(place(&first) - middle));
-    minima[4] = search(place(&first) - normal * (2.0 * off));
-    let first = best(&minima)?;
-    let apart = |one: &Minimum| {
-        let away = place(one) - place(&first);
-        first.covariance.cholesky().is_some_and(|root| away.dot(&root.solve(&away)) > APART)
-    };
-    let second = minima.iter().flatten().filter(|one| apart(one));
-    let second = second.min_by(|a, b| a.cost.total_cmp(&b.cost)).copied();
-    let swapped = second.filter(|other| other.cost - first.cost < EQUAL && other.offset < first.offset);
-    let (taken, other) = swapped.map_or((first, second), |lower| (lower, Some(first)));
-    let fix = mixture(&taken, other.as_ref(), place);
-    let told = fix.covariance_m2.trace() < NOT_TOLD_M * NOT_TOLD_M;
-    told.then_some(fix)
-}
-
-/// One minimum, and what another adds to its uncertainty.
-fn mixture(taken: &Minimum, other: Option<&Minimum>, place: impl Fn(&Minimum) -> Vector3<f64>) -> RangingFix {
-    let alone = RangingFix { position_m: place(taken), covariance_m2: taken.covariance, other_m: None };
-    let Some(other) = other else { return alone };
-    let share = 1.0 / (1.0 + libm::exp((other.cost - taken.cost).max(0.0)));
-    if share < UNLIKELY {
-        return alone;
-    }
-    let away = place(other) - place(taken);
-    let covariance_m2 =
-        taken.covariance * (1.0 - share) + (other.covariance + away * away.transpose()) * share;
-    RangingFix { covariance_m2, other_m: Some(place(other)), ..alone }
-}
-
-fn best(minima: &[Option<Minimum>]) -> Option<Minimum> {
-    minima.iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost)).copied()
+    let place = best(&spots)?.position_m;
+    spots[4] = search(place - normal * (2.0 * normal.dot(&(place - middle))));
+    tell(&spots)
 }
 
 /// The direction in which anchors differ least, in space (downwards) or in the plane.
-fn normal_of(ranges: &[Ranged], middle: &Vector3<f64>, space: bool) -> Vector3<f64> {
-    let mut scatter = ranges.iter().fold(Matrix3::zeros(), |scatter, one| {
-        let off = one.position_m - middle;
+pub(super) fn normal_of(
+    anchors_m: impl Iterator<Item = Vector3<f64>>,
+    middle: &Vector3<f64>,
+    space: bool,
+) -> Vector3<f64> {
+    let mut scatter = anchors_m.fold(Matrix3::zeros(), |scatter, one| {
+        let off = one - middle;
         let off = if space { off } else { off.xy().push(0.0) };
         scatter + off * off.transpose()
     });

@@ -9,6 +9,7 @@
 //! | trilateration: both places where three spheres meet | none | [`spheres`] |
 //! | linear least squares on differences of squares (system S4, Jia et al. 2024, eq. 1–5) | small, and none wrong | [`linear`] |
 //! | robust least squares | Student's t: long tails | [`fit`] |
+//! | the same on differences of arrival | Student's t at each anchor | [`tdoa`] |
 //!
 //! Offset o, scale s and standard deviation σ of each anchor are a [`RangeModel`]. The [`Height`] of the tag is free, known, or known within a
 //! standard deviation. How well anchors lie for a place tells [`dilution`]; [`epochs`] gathers
@@ -21,11 +22,15 @@
 pub mod correction;
 pub mod dilution;
 pub mod epochs;
+mod few;
+pub mod filter;
 pub mod fit;
 pub mod linear;
 pub mod listener;
+mod minima;
 pub mod solver;
 pub mod spheres;
+pub mod tdoa;
 
 pub use crate::radio::range_fit::{RangeModel, Ranged};
 

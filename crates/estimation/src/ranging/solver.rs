@@ -88,6 +88,11 @@ impl Solver {
 
     /// A position of these ranges; `None` of too few, or where they tell none.
     pub fn solve(&self, ranges: &[Ranged]) -> Option<RangingFix> {
+        self.solve_within(ranges, self.area.as_ref())
+    }
+
+    /// The same of somebody who is expected about a place: what else could be is decided by that. Robust only.
+    pub fn solve_within(&self, ranges: &[Ranged], area: Option<&AreaPrior>) -> Option<RangingFix> {
         let SolverParams { kind, dof, least_ranges, .. } = self.params;
         if ranges.len() < least_ranges.max(1) {
             return None;
@@ -96,9 +101,7 @@ impl Solver {
         match kind {
             SolverKind::Linear => linear(ranges, height),
             SolverKind::LinearSpace => linear(ranges, Height::Free),
-            SolverKind::Robust => {
-                fit(ranges, self.area.as_ref(), &FitParams { height, dof, ..FitParams::default() })
-            }
+            SolverKind::Robust => fit(ranges, area, &FitParams { height, dof, ..FitParams::default() }),
         }
     }
 }

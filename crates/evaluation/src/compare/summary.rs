@@ -52,6 +52,8 @@ pub struct OverSeeds {
     pub largest_velocity_m_s: Option<Quantiles>,
     /// RMSE of the horizontal position of a run, m.
     pub position_rmse_m: Option<Quantiles>,
+    /// Mean horizontal position error of a run, m.
+    pub position_mean_m: Option<Quantiles>,
     /// |East| error at the end, m.
     pub end_east_m: Option<Quantiles>,
     /// |Heading| error at the end, deg.
@@ -214,6 +216,7 @@ pub fn summarise(
             largest_heading_deg: each(&heading, largest),
             largest_velocity_m_s: each(&velocity, largest),
             position_rmse_m: each(&horizontal, |errors| Statistics::of(errors).map(|s| s.rmse)),
+            position_mean_m: each(&horizontal, |errors| Statistics::of(errors).map(|s| s.mean)),
             end_east_m: each(&east, last),
             end_heading_deg: each(&heading, last),
             end_velocity_m_s: each(&velocity, last),

@@ -27,7 +27,12 @@ pub fn attitude_figure(evaluation: &AttitudeEvaluation, title: &str) -> Result<S
         let clockwise = "error (°), clockwise above 0";
         curves::over_time(&panels[0], "Heading error over time", clockwise, &heading, &unscored)?;
         curves::over_time(&panels[1], "Inclination error over time", "error (°)", &inclination, &unscored)?;
-        curves::distributions(&right, "Distribution of the errors", "°", &distributions(evaluation))
+        curves::distributions(
+            &right,
+            "Distribution of the errors",
+            ("°", "poses"),
+            &distributions(evaluation),
+        )
     })
 }
 

@@ -75,11 +75,11 @@ fn pieces<'p>(points: &'p [(f64, f64)], unscored: &'p Phases) -> impl Iterator<I
     points.chunk_by(|a, b| !unscored.iter().any(|(from, to)| a.0 < *from && *to < b.0))
 }
 
-/// Draws cumulative distributions of errors in this unit, with lines at 50 % and 95 %.
+/// Draws cumulative distributions of errors in this unit, with lines at 50 % and 95 %; `of` says what is counted.
 pub fn distributions(
     area: &Area<'_>,
     heading: &str,
-    unit: &str,
+    (unit, of): (&str, &str),
     series: &[DistributionCurve],
 ) -> Result<(), EvaluationError> {
     let legend = legend(series.iter().map(|curve| curve.label.as_str()));
@@ -96,7 +96,7 @@ pub fn distributions(
     };
 
     let x = Axis { label, range: 0.0..end };
-    let y = Axis { label: "share of poses (%)".to_owned(), range: 0.0..101.0 };
+    let y = Axis { label: format!("share of {of} (%)"), range: 0.0..101.0 };
     let mut chart = frame.chart(&x, &y)?;
     let beneath = text(Type::Tick, FAINT_INK, HPos::Right, VPos::Top);
     for level in [50.0, 95.0] {

@@ -14,6 +14,7 @@ mod convergence;
 mod curves;
 mod magnetometer;
 mod path;
+mod ranges;
 mod thin;
 
 use crate::marks::Phase;
@@ -25,6 +26,7 @@ pub use allan::{AllanAxis, AllanPanel, AllanParts, allan_figure};
 pub use attitude::attitude_figure;
 pub use convergence::{ConvergenceCurve, convergence_figure};
 pub use magnetometer::{MagneticCloud, magnetometer_figure};
+pub use ranges::{ErrorDots, RangeErrors, range_figure};
 pub use thin::MAX_POINTS;
 
 /// What a curve stands for; it decides colour and weight.
@@ -96,7 +98,12 @@ pub fn evaluation_figure(evaluation: &Evaluation, title: &str) -> Result<String,
             curves::over_time(&areas[1], "Attitude error over time", "error (°)", &attitude, &unscored)?;
         }
         let distributions = evaluation_distributions(evaluation);
-        curves::distributions(&areas[panels - 1], "Distribution of the errors", "m", &distributions)
+        curves::distributions(
+            &areas[panels - 1],
+            "Distribution of the errors",
+            ("m", "poses"),
+            &distributions,
+        )
     })
 }
 
@@ -121,7 +128,7 @@ pub fn time_figure(series: &[TimeCurve], title: &str, y_label: &str) -> Result<S
 
 /// Cumulative distributions of errors in metres.
 pub fn distribution_figure(series: &[DistributionCurve], title: &str) -> Result<String, EvaluationError> {
-    canvas::svg((900, 480), title, |page| curves::distributions(page, "", "m", series))
+    canvas::svg((900, 480), title, |page| curves::distributions(page, "", ("m", "poses"), series))
 }
 
 /// Truth and aligned estimate of an evaluation.

@@ -113,9 +113,7 @@ impl Candidate {
     const fn tier(self) -> usize {
         match self {
             Self::Nothing => 0,
-            Self::Constant => 1,
-            Self::Polynomial(degree) => 1 + degree,
-            Self::Curve(_) => 2 + DEGREES,
+            Self::Constant | Self::Polynomial(_) | Self::Curve(_) => 1,
         }
     }
 

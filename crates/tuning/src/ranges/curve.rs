@@ -83,7 +83,7 @@ pub(super) fn fit(rows: &Rows<'_>, offsets: &Offsets, of: Diagnostic, knots: usi
         let next = normal.cholesky()?.solve(&right);
         let change = (&next - &curve).amax();
         curve = next;
-        if change < 1e-6 {
+        if change < 1e-5 {
             break;
         }
     }

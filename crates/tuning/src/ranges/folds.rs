@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 const ALONE: usize = 30;
 const FOLDS: usize = 10;
 /// Ranges of a link used in fits, evenly taken: more are copies.
-const OF_LINK: usize = 30;
+const OF_LINK: usize = 16;
 
 /// Groups held out together, for all groups of these ranges: in turn, so that neighbours come into different parts.
 pub fn of_groups(known: &[KnownRange]) -> Vec<Vec<usize>> {

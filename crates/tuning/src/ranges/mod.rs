@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Each step is a choice among candidates from plain to rich ([`choice`]), made by ranges of groups (places, geometries, walks) that the candidate has not
-//! seen, never by random rows: ranges of one place are near copies, and whatever has seen one knows the others. A richer candidate has to beat a
+//! seen, never by random rows: ranges of one place are near copies, and whatever has seen one knows the others. A richer kind of candidate has to beat a
 //! plainer one by more than the standard error of the difference over the groups (Breiman, Friedman, Olshen & Stone 1984, the one-standard-error
-//! rule); the plainest is to take nothing off. So a correction that does not generalise is not made.
+//! rule); the plainest is to take nothing off. So a correction that does not generalise is not made. Among equally rich ones the best is taken.
 //!
 //! Fits minimise absolute errors, which a range that came round three corners does not move, and each link (group and anchor) weighs the same.
 //! Standard deviations are those of the ranges held out.
@@ -92,7 +92,7 @@ pub fn learn(known: &[KnownRange]) -> Result<Learnt, TuningError> {
     }
     let all = Rows::of(known, |_| true);
     if all.groups() < 2 {
-        return Err(TuningError::OneGroup { found: all.groups() });
+        return Err(TuningError::FewGroups { found: all.groups(), expected: 2 });
     }
     let straight = Rows::of(known, KnownRange::is_straight);
     let nlos = Rows::of(known, KnownRange::is_not_straight);
@@ -112,9 +112,13 @@ pub fn learn(known: &[KnownRange]) -> Result<Learnt, TuningError> {
     })
 }
 
-/// Corrects every range by what is learnt from other groups; everything, the choices too, is made anew without them.
+/// Corrects every range by what is learnt from other groups; everything, the choices too, is made anew without them. Of three groups or
+/// more.
 pub fn held_out(known: &[KnownRange]) -> Result<Vec<HeldOut>, TuningError> {
     let folds = folds::of_groups(known);
+    if folds.len() < 3 {
+        return Err(TuningError::FewGroups { found: folds.len(), expected: 3 });
+    }
     let learnt = folds.par_iter().map(|fold| {
         let kept: Vec<KnownRange> = known.iter().filter(|one| !fold.contains(&one.group)).cloned().collect();
         Ok((fold, learn(&kept)?.correction))

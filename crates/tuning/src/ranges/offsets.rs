@@ -42,14 +42,17 @@ impl Offsets {
     }
 }
 
+/// Finds offsets.
+type Fit = fn(&Rows<'_>) -> Offsets;
+
 /// From plain to rich.
-const CANDIDATES: [(&str, fn(&Rows<'_>) -> Offsets); 3] =
+const CANDIDATES: [(&str, Fit); 3] =
     [("none", |_| Offsets::default()), ("common", common), ("each anchor", of_anchors)];
 
 /// The offsets that ranges held out ask for.
 pub(super) fn choose(rows: &Rows<'_>) -> (Offsets, Choice) {
     let folds = rows.folds();
-    let judge = |candidate: fn(&Rows<'_>) -> Offsets| {
+    let judge = |candidate: Fit| {
         let of_fold = |(kept, held): &(Rows<'_>, Rows<'_>)| {
             let offsets = candidate(kept);
             let off = held.rows.iter().map(|row| {

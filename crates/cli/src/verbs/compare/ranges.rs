@@ -5,7 +5,7 @@ use crate::scenario_file::Contender;
 use crate::verbs::trials::Trial;
 use adit_estimation::radio::RadioSite;
 use adit_nlos::measures::Measures;
-use adit_observation::{Observation, RangeSample};
+use adit_observation::{InTheWay, Observation, RangeSample};
 use adit_simulation::radio::{LinkClass, RangeTruth};
 use serde::Serialize;
 use std::fmt::Write;
@@ -57,7 +57,9 @@ impl RangeRecord {
             let after_m = correction.map_or(range.range_m, |correction| correction.correct(range).distance_m);
             self.nlos_m.push([range.range_m, after_m].map(|told_m| (told_m - truth.distance_m).abs()));
         }
-        if let Some(p) = range.line_of_sight {
+        if let Some(told) = &range.in_the_way {
+            self.judged.push((truth.in_the_way() as usize, told.to_vec()));
+        } else if let Some(p) = range.line_of_sight {
             #[expect(clippy::cast_possible_truncation, reason = "a probability")]
             let p = p as f32;
             self.judged.push((class, vec![p, 1.0 - p]));
@@ -75,7 +77,9 @@ impl RangeReport {
             return None;
         }
         let mean = |which: usize| errors.iter().map(|error| error[which]).sum::<f64>() / errors.len() as f64;
-        let classes = ["clear", "not clear"];
+        let four = judged.first().is_some_and(|(_, told)| told.len() == InTheWay::COUNT);
+        let classes: Vec<&'static str> =
+            if four { InTheWay::ALL.map(InTheWay::name).to_vec() } else { vec!["clear", "not clear"] };
         Some(Self {
             nlos_ranges: errors.len(),
             nlos_error_before_m: mean(0),
@@ -92,7 +96,8 @@ pub fn table(reports: &[(String, RangeReport)]) -> String {
     }
     let width = reports.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(6);
     let mut text = format!(
-        "\n{:width$}  |error| of ranges that did not come straight   recognition of the way, one class against the rest\n{:width$}  measured  corrected  ranges                  accuracy  recall   F1       right of all\n",
+        "\n{:width$}  |error| of ranges that did not come straight   clear or not        every class against the rest, mean\n\
+         {:width$}  measured  corrected  ranges                  accuracy  F1       classes  accuracy  recall   F1\n",
         "", "method"
     );
     for (name, report) in reports {
@@ -102,10 +107,18 @@ pub fn table(reports: &[(String, RangeReport)]) -> String {
             "{name:width$}  {nlos_error_before_m:6.2} m  {nlos_error_after_m:7.2} m  {nlos_ranges:<22}"
         );
         if let Some(told) = recognition {
-            let shares = [told.accuracy, told.balanced_accuracy, told.macro_f1, told.binary.f1];
-            for share in shares {
-                let _ = write!(text, "  {:5.1} %", 100.0 * share);
-            }
+            let Measures { binary, mean, classes, .. } = told;
+            let percent = |share: f64| format!("{:5.1} %", 100.0 * share);
+            let _ = write!(
+                text,
+                "  {}  {}  {:<7}  {}  {}  {}",
+                percent(binary.accuracy),
+                percent(binary.f1),
+                classes.len(),
+                percent(mean.accuracy),
+                percent(mean.recall),
+                percent(mean.f1)
+            );
         }
         text.push('\n');
     }

@@ -4,8 +4,8 @@
 //! Z = ω_u Z_u + ω_p Z_p,   ω_u + ω_p = 1,   ω_u = σ_p² / (σ_p² + n σ_u²)
 //! ```
 //!
-//! Z_p: the last fused place and the way since. Its standard deviation grows with that way, `σ_p ← σ_p + share · |way|`: the step of a person who
-//! steps longer than the model, and a heading that is off, err in the same direction all along. σ_u²: mean of the level variances of the position by UWB. What is in the way stays there:
+//! `Z_p`: the last fused place and the way since. Its standard deviation grows with that way, `σ_p ← σ_p + share · |way|`: the step of a person who
+//! steps longer than the model, and a heading that is off, err in the same direction all along. `σ_u²`: mean of the level variances of the position by UWB. What is in the way stays there:
 //! in a blocked environment the errors of epochs that are less than `correlation_s` apart are one error, and each of the n epochs in that time counts for 1/n.
 //!
 //! What is kept is `Z − way`, not Z: an epoch that comes late is held against the way at its own time.
@@ -35,7 +35,7 @@ pub struct FusionParams {
     pub correlation_s: f64,
 }
 
-/// What ω_u and ω_p are.
+/// What `ω_u` and `ω_p` are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Weights {
@@ -126,7 +126,7 @@ impl Fusion {
         self.walked = Some((time, *way_m));
     }
 
-    /// Takes a position by UWB at the time at which dead reckoning was at `way_m`; returns its weight ω_u.
+    /// Takes a position by UWB at the time at which dead reckoning was at `way_m`; returns its weight `ω_u`.
     pub fn observe(
         &mut self,
         time: Time,

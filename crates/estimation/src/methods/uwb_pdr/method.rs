@@ -66,7 +66,7 @@ pub struct UwbPdrReport {
     pub environments: EnvironmentCounts,
     /// Epochs of which no range was judged: all counted as clear.
     pub unjudged_epochs: u64,
-    /// Sum of the weights of UWB, ω_u, over its positions.
+    /// Sum of the weights of UWB, `ω_u`, over its positions.
     pub uwb_weight_sum: f64,
     /// Warnings.
     pub warnings: Vec<MethodWarning>,

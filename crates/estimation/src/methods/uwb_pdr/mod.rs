@@ -6,7 +6,7 @@
 //! gyro, acc, mag    → steps, length, direction (methods::pdr) ── aligned ───┘
 //! ```
 //!
-//! Z_p is the last fused position carried on by the steps since. The paper sets the weights "by the relative accuracy of the two methods" in the recognised
+//! `Z_p` is the last fused position carried on by the steps since. The paper sets the weights "by the relative accuracy of the two methods" in the recognised
 //! [`Environment`] and prints no number; here they are the inverse variances of both ([`fusion`]): `ω_u = σ_p²/(σ_p² + σ_u²)`.
 //!
 //! One solution for every epoch of ranges and for every step. Solutions come as late as those of `pdr`: an epoch waits for the step around it.
@@ -24,11 +24,12 @@ pub use method::{UwbPdrParams, UwbPdrReport};
 use crate::methods::alignment::{Alignment, Event};
 use crate::methods::somewhere::somewhere;
 use crate::methods::{MethodError, MethodWarning};
+use crate::radio::AreaPrior;
 use crate::ranging::epochs::Epoch;
 use crate::ranging::listener::{Link, RangeListener};
 use crate::ranging::solver::{Solver, SolverKind};
 use crate::ranging::{Ranged, RangingFix};
-use adit_core::nalgebra::Vector2;
+use adit_core::nalgebra::{Matrix2, Vector2};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
 use adit_observation::Observation;
@@ -37,6 +38,9 @@ use serde::{Deserialize, Serialize};
 
 /// Name of the method.
 const NAME: &str = "uwb-pdr";
+/// Mirror images are parted by so many standard deviations of the expected place, and at least by so much, m.
+const SIDES: f64 = 3.0;
+const SIDE_M: f64 = 3.0;
 
 /// One walker, streaming.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -71,7 +75,10 @@ impl UwbPdr {
             solver: Solver::new(params.solver, params.site.as_deref()),
             fusion: Fusion::new(params.fusion, start),
             reckoned: None,
-            height: [params.solver.height_m.unwrap_or(0.0), params.solver.height_sigma_m.powi(2)],
+            height: [
+                params.solver.height_m.unwrap_or(0.0),
+                params.solver.height_sigma_m * params.solver.height_sigma_m,
+            ],
             fixed: None,
             told: None,
             report: UwbPdrReport::default(),
@@ -130,7 +137,8 @@ impl UwbPdr {
         self.report.unjudged_epochs += u64::from(links.iter().all(|link| link.line_of_sight.is_none()));
         let environment = Environment::of(&links, self.params.solver.least_ranges);
         self.report.note(environment);
-        let Some(fix) = self.fix(&links, environment) else { return Ok(None) };
+        let expected = way_m.and_then(|way_m| self.expected(&way_m));
+        let Some(fix) = self.fix(&links, environment, expected.as_ref()) else { return Ok(None) };
         self.height = [fix.position_m.z, fix.covariance_m2[(2, 2)]];
         let covariance_m2 = fix.covariance_m2.fixed_view::<2, 2>(0, 0).into_owned();
         let Some(way_m) = way_m else {
@@ -145,14 +153,29 @@ impl UwbPdr {
         self.tell(time, &way_m)
     }
 
+    /// Where ranges are to look: about the place that dead reckoning tells, so far that it decides between mirror images and says nothing else.
+    fn expected(&self, way_m: &Vector2<f64>) -> Option<AreaPrior> {
+        let (mean_m, covariance_m2) = self.fusion.place(way_m)?;
+        let wide = Matrix2::identity() * (SIDE_M * SIDE_M);
+        Some(AreaPrior { mean_m, covariance_m2: covariance_m2 * (SIDES * SIDES) + wide })
+    }
+
     /// A position by UWB of what the environment leaves.
-    fn fix(&self, links: &[Link], environment: Environment) -> Option<RangingFix> {
+    fn fix(
+        &self,
+        links: &[Link],
+        environment: Environment,
+        expected: Option<&AreaPrior>,
+    ) -> Option<RangingFix> {
         // Linear squares have no weights: what is clear is enough, or everything counts alike.
         let clear_alone =
             environment == Environment::WithError && self.params.solver.kind != SolverKind::Robust;
         let taken = links.iter().filter(|link| !clear_alone || link.is_clear());
         let ranges: Vec<Ranged> = taken.map(|link| link.ranged).collect();
-        self.solver.solve(&ranges)
+        match expected {
+            Some(expected) => self.solver.solve_within(&ranges, Some(expected)),
+            None => self.solver.solve(&ranges),
+        }
     }
 
     /// Dead reckoning has come to a place.

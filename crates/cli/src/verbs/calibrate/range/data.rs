@@ -15,7 +15,8 @@ use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A single log becomes so many groups, by time.
+/// Fewer logs than this alone become so many groups each, by time.
+const FEW_LOGS: usize = 3;
 const PARTS: usize = 5;
 
 /// Where anchors are, and the tag on what the truth is of.
@@ -63,10 +64,10 @@ impl RangeData {
                 logs.push(path.clone());
             }
         }
-        let alone = logs.len() == 1 && data.groups.is_empty();
+        let parts = if logs.len() < FEW_LOGS && data.groups.is_empty() { PARTS } else { 1 };
         for log in logs {
             interrupt::check()?;
-            data.add_log(&log, places, alone)?;
+            data.add_log(&log, places, parts)?;
         }
         ensure!(!data.ranges.is_empty(), "no range whose distance is known");
         if data.unknown > 0 {
@@ -107,7 +108,7 @@ impl RangeData {
         Ok(())
     }
 
-    fn add_log(&mut self, path: &Path, places: &Places, alone: bool) -> Result<()> {
+    fn add_log(&mut self, path: &Path, places: &Places, parts: usize) -> Result<()> {
         let truth = Truth::beside(path, places)?;
         let mut log = adit_observation::open(path)?;
         let (mut found, before) = (Vec::new(), self.unknown);
@@ -129,11 +130,9 @@ impl RangeData {
         progress::warn(log.warnings());
         let (none, ranges) = (self.unknown - before, found.len());
         ensure!(ranges > 0, "{}: the distance of none of {none} ranges is known", path.display());
-        let (first, parts) = (self.groups.len(), if alone { PARTS } else { 1 });
-        let name = truth_beside::stem(path);
-        self.groups.extend(
-            (1..=parts).map(|part| if alone { format!("{name}, part {part}") } else { name.clone() }),
-        );
+        let (first, name) = (self.groups.len(), truth_beside::stem(path));
+        let part = |part: usize| if parts > 1 { format!("{name}, part {part}") } else { name.clone() };
+        self.groups.extend((1..=parts).map(part));
         let all = found.into_iter().enumerate();
         self.ranges.extend(all.map(|(k, known)| KnownRange { group: first + k * parts / ranges, ..known }));
         Ok(())

@@ -1,6 +1,7 @@
 //! `adit calibrate range`: ranges with a known distance in, what is known of their errors out.
 
 mod data;
+mod figure;
 mod table;
 
 use crate::args::CalibrateRangeArgs;
@@ -44,6 +45,9 @@ pub fn run(args: &CalibrateRangeArgs) -> Result<()> {
             test.ranges.iter().map(|one| ranges::corrected(&learnt.correction, one)).collect();
         let errors = measures::of(&test.ranges, &corrected);
         tests.push(Test { data: path.display().to_string(), errors });
+    }
+    if let Some(path) = &args.plot {
+        output::write_file(path, &figure::of(&args.data, &data, &learnt.correction, &held)?)?;
     }
     let names = args.data.iter().map(|path| path.display().to_string()).collect::<Vec<_>>();
     let model =
