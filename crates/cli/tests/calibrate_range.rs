@@ -147,6 +147,14 @@ fn recorded_halls_are_not_made_worse() {
 }
 
 #[test]
+fn help_reads_as_it_should() {
+    let folder = tempfile::tempdir().unwrap();
+    let Outcome { code, stdout, .. } = calibrate(folder.path(), &["--help"]);
+    assert_eq!(code, 0);
+    insta::assert_snapshot!("help_calibrate_range", stdout);
+}
+
+#[test]
 fn what_cannot_be_learnt_from_is_told_in_a_line() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
