@@ -50,11 +50,11 @@ impl Default for FusionParams {
     fn default() -> Self {
         Self {
             weights: Weights::default(),
-            drift_share: 0.05,
+            drift_share: 0.03,
             standing_m_sqrt_s: 0.05,
             gap_speed_m_s: 1.0,
-            correlation_s: 2.0,
-            nis_bound: 9.0,
+            correlation_s: 1.0,
+            nis_bound: 4.0,
         }
     }
 }
