@@ -135,9 +135,9 @@ fn recorded_sets_are_told_on_geometries_held_out() {
     }
 }
 
-/// Four rooms by another seed each: what is in the way is learnt of folders of a simulation and told in one that was not there.
+/// Folders of a simulation are labelled ranges: of what is in the way, and of line of sight for a model that tells no more.
 #[test]
-fn what_is_in_the_way_is_learnt_of_simulated_mines() {
+fn folders_of_a_simulation_are_labelled_ranges() {
     let folder = TempDir::new().unwrap();
     let here = folder.path();
     let mine = concat!(env!("CARGO_MANIFEST_DIR"), "/../../mines/lab.toml");
