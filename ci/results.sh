@@ -11,7 +11,7 @@
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
-#   docs/results/s0-position.svg, docs/results/s1-distribution.svg, docs/results/s4-distribution.svg, docs/results/uwb-gate.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/ranges.svg, docs/results/ranging.svg, docs/results/people-plan.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
+#   docs/results/s0-position.svg, docs/results/s1-distribution.svg, docs/results/s4-distribution.svg, docs/results/uwb-gate.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/ranges.svg, docs/results/ranging.svg, docs/results/nlos.svg, docs/results/people-plan.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -27,6 +27,7 @@ if [ -n "$mealpy_python" ]; then
 fi
 cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example s1_results --example s4_results --example uwb_results --example gate_figure --example radio_results --example range_results --example radio_figure --example ranging_figure --example shift_results --example step_results --example step_figure --example phone_walks
 cargo build --locked --release -p adit-simulation --example radio_realism --example people_plan
+cargo build --locked --release -p adit-nlos --example simulated_mines --example class_figure
 cargo build --locked --release -p adit-tuning --example optimise_results --example s1_fitness
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
 
@@ -72,6 +73,9 @@ mkdir "$fresh/here"
 ln -s "$PWD/scenarios" "$fresh/here/scenarios"
 ln -s "$ADIT_DATA" "$fresh/here/data"
 "$bin/examples/simulated_calibration" "$fresh/here"
+# Rooms that no model has seen.
+"$bin/examples/simulated_mines" "$fresh/here/rooms" 50 2
+"$bin/examples/class_figure" mine docs/results/nlos.svg "$fresh"/here/rooms/*
 
 # What a command prints, without the lines that no two runs have in common.
 run() {

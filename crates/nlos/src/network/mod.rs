@@ -8,8 +8,8 @@
 //! System S4 (Jia et al. 2024) gives a CNN that feeds an LSTM and no sizes; they are chosen by experiment (`docs/methods/nlos.md`). LSTM (Hochreiter & Schmidhuber 1997, with the forget gate of Gers,
 //! Schmidhuber & Cummins 2000): `i, f, o = σ(W x + U h + b)`, `g = tanh(W x + U h + b)`, `c ← f c + i g`, `h ← o tanh c`; gates in the order i, f, g, o.
 //!
-//! Inference is plain Rust without allocation: all products are [`kernel::affine`], whose loops the compiler turns into vector instructions. It gives the same bits
-//! on every platform, as it uses no fused products and no library's `exp`. A model for tables of diagnostics has a dense layer of the scores in place of the response.
+//! Inference is plain Rust without allocation: all products are [`kernel::affine`], whose loops the compiler turns into vector instructions, fused ones where
+//! the processor has AVX2; its bits are those of a processor, within 1e-6 of one another. A model for tables of diagnostics has a dense layer of the scores in place of the response.
 
 pub mod kernel;
 mod scratch;
@@ -17,7 +17,10 @@ mod scratch;
 pub use scratch::Scratch;
 
 use crate::window::{self, CHANNELS, TAPS, Window};
-use kernel::affine;
+#[cfg(target_arch = "x86_64")]
+use kernel::Fused;
+use kernel::{Apart, Sum, affine};
+use std::marker::PhantomData;
 
 /// Taps that a convolution looks at.
 pub const WIDTH: usize = 5;
@@ -109,56 +112,61 @@ impl Network {
 
     /// Logits of many, row by row.
     pub fn logits_of(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
-        pulp::Arch::new().dispatch(Walk { network: self, asked, scratch, into });
+        #[cfg(target_arch = "x86_64")]
+        if let Some(unit) = pulp::x86::V3::try_new() {
+            return unit.vectorize(Walk { network: self, asked, scratch, into, sum: PhantomData::<Fused> });
+        }
+        pulp::Arch::new().dispatch(Walk { network: self, asked, scratch, into, sum: PhantomData::<Apart> });
     }
 
     #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
     #[inline(always)]
-    fn walk(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
+    fn walk<S: Sum>(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
         let questions = self.head.outputs();
         for (asked, into) in asked.chunks(TOGETHER).zip(into.chunks_mut(TOGETHER * questions)) {
             scratch.fit(self);
             if let Some(response) = &self.response {
-                response.run(asked, scratch);
+                response.run::<S>(asked, scratch);
             }
-            self.finish(asked, scratch, into);
+            self.finish::<S>(asked, scratch, into);
         }
     }
 
     /// The dense layer and the head, of the states in `scratch`.
     #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
     #[inline(always)]
-    fn finish(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
+    fn finish<S: Sum>(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch, into: &mut [f32]) {
         let state = self.response.as_ref().map_or(0, ResponseBranch::state);
         let before = state + self.dense.as_ref().map_or(0, Layer::outputs);
         let Scratch { hidden, found, .. } = scratch;
         for (k, ((scores, _), into)) in asked.iter().zip(into.chunks_mut(self.head.outputs())).enumerate() {
             found[..state].copy_from_slice(&hidden[k * state..(k + 1) * state]);
             if let Some(dense) = &self.dense {
-                affine(dense, scores, 1, 0, &mut found[state..before], 0);
+                affine::<S>(dense, scores, 1, 0, &mut found[state..before], 0);
                 kernel::relu(&mut found[state..before]);
             }
             found[before..].copy_from_slice(scores);
-            affine(&self.head, found, 1, 0, into, 0);
+            affine::<S>(&self.head, found, 1, 0, into, 0);
         }
     }
 }
 
 /// A call, for whichever vector unit there is. No closure: its body would not be inlined there.
-struct Walk<'a> {
+struct Walk<'a, S> {
     network: &'a Network,
     asked: &'a [(&'a [f32], Option<&'a Window>)],
     scratch: &'a mut Scratch,
     into: &'a mut [f32],
+    sum: PhantomData<S>,
 }
 
-impl pulp::NullaryFnOnce for Walk<'_> {
+impl<S: Sum> pulp::NullaryFnOnce for Walk<'_, S> {
     type Output = ();
 
     #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
     #[inline(always)]
     fn call(self) {
-        self.network.walk(self.asked, self.scratch, self.into);
+        self.network.walk::<S>(self.asked, self.scratch, self.into);
     }
 }
 
@@ -166,17 +174,24 @@ impl ResponseBranch {
     /// Walks the responses, up to [`TOGETHER`], and leaves their last states in `scratch.hidden`.
     #[expect(clippy::inline_always, reason = "compiled for the vector unit that was dispatched to")]
     #[inline(always)]
-    fn run(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch) {
+    fn run<S: Sum>(&self, asked: &[(&[f32], Option<&Window>)], scratch: &mut Scratch) {
         let (count, state) = (asked.len(), self.state());
         let Scratch { first, second, gates, hidden, cell, .. } = scratch;
         for (k, (_, window)) in asked.iter().enumerate() {
             let window = window.unwrap_or(&window::SILENT);
-            affine(&self.first, window, FIRST, STRIDE * CHANNELS, first, self.first.outputs());
+            affine::<S>(&self.first, window, FIRST, STRIDE * CHANNELS, first, self.first.outputs());
             kernel::relu(first);
-            affine(&self.second, first, STEPS, STRIDE * self.first.outputs(), second, self.second.outputs());
+            affine::<S>(
+                &self.second,
+                first,
+                STEPS,
+                STRIDE * self.first.outputs(),
+                second,
+                self.second.outputs(),
+            );
             kernel::relu(second);
             // Step by step, the responses side by side.
-            affine(
+            affine::<S>(
                 &self.input,
                 second,
                 STEPS,
@@ -188,11 +203,11 @@ impl ResponseBranch {
         hidden.fill(0.0);
         cell.fill(0.0);
         for gates in gates.chunks_mut(4 * state * count).take(STEPS) {
-            kernel::add_product(&self.recurrent, hidden, count, state, gates);
+            kernel::add_product::<S>(&self.recurrent, hidden, count, state, gates);
             for ((gates, cell), hidden) in
                 gates.chunks_mut(4 * state).zip(cell.chunks_mut(state)).zip(hidden.chunks_mut(state))
             {
-                kernel::lstm(gates, cell, hidden);
+                kernel::lstm::<S>(gates, cell, hidden);
             }
         }
     }

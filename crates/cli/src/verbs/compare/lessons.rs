@@ -1,5 +1,6 @@
 //! What contenders learn before a run is judged: settings tuned on another person's log, fingerprints of a survey, how ranges err.
 
+use crate::judged_ranges::JudgedRanges;
 use crate::scenario_file::{Contender, Contest, Tuning};
 use crate::verbs::trials::{Trial, Trials};
 use crate::verbs::tune::{self, TuningTask};
@@ -43,7 +44,10 @@ impl<'a> Lessons<'a> {
             return Ok(contender.clone());
         };
         let Tuning { person, config, agents, evaluations } = tuning;
-        let trial = self.trials.of_person(self.index, *person)?;
+        let mut trial = self.trials.of_person(self.index, *person)?;
+        if let Some(model) = &contender.nlos {
+            trial.observations = JudgedRanges::of(model, &trial.observations);
+        }
         let mut base = contender.config.clone();
         crate::config::merge(&mut base, config.clone());
         let task =
