@@ -37,8 +37,8 @@ fn main() -> Result<()> {
     let (width, height) = (SCALE * EXTENT_M.0, SCALE * EXTENT_M.1);
     let (whole, tall) = (2.0 * width + 3.0 * MARGIN, height + TOP + 44.0);
     let mut svg = format!(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="{tall}" viewBox="0 0 {whole} {tall}" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>
-"##
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="{tall}" viewBox="0 0 {whole} {tall}" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>
+"#
     );
     panel(&mut svg, &mine, MARGIN, "HDOP, all four anchors", false)?;
     panel(&mut svg, &mine, 2.0 * MARGIN + width, "HDOP, anchors in sight at the waist", true)?;

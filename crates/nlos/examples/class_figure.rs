@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sets = data.iter().map(labelled::read).collect::<Result<Vec<_>, _>>()?;
     let examples = Examples::for_task(model.task, &sets);
     let mut svg = String::from(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" width="820" height="370" viewBox="0 0 820 370" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>
-"##,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="820" height="370" viewBox="0 0 820 370" font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="white"/>
+"#,
     );
     responses(&mut svg, model.task.classes(), &examples)?;
     reliability(&mut svg, &model, &examples)?;
