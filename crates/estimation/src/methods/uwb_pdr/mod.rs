@@ -7,7 +7,7 @@
 //! ```
 //!
 //! `Z_p` is the last fused position carried on by the steps since. The paper sets the weights "by the relative accuracy of the two methods" in the recognised
-//! [`Environment`] and prints no number; here they are the inverse variances of both ([`fusion`]): `ω_u = σ_p²/(σ_p² + σ_u²)`.
+//! [`Environment`] and prints no number; here they are the inverse variances of both ([`Fusion`]): `ω_u = σ_p²/(σ_p² + σ_u²)`.
 //!
 //! One solution for every epoch of ranges and for every step. Solutions come as late as those of `pdr`: an epoch waits for the step around it.
 //! Frame: that of the anchors. Height: that of the solver's settings.
