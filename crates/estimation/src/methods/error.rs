@@ -79,7 +79,9 @@ pub enum MethodError {
         names: String,
     },
     /// The log holds no ranges that tell a position.
-    #[error("no position: of {ranges} ranges in the log, {unknown} are to anchors that are not known{names}")]
+    #[error(
+        "no position: of {ranges} ranges in the log, {unknown} are to anchors that are not known{names}; a position needs ranges to several known anchors at about one time"
+    )]
     NoRangeFix {
         /// Ranges in the log.
         ranges: u64,

@@ -112,12 +112,16 @@ pub trait Method {
 }
 
 /// What a method says about its run.
-pub trait MethodReport: Clone {
+pub trait MethodReport: Clone + Serialize {
     /// All it has to say, for a report in JSON.
-    fn details(&self) -> impl Serialize;
+    fn details(&self) -> impl Serialize {
+        self
+    }
 
-    /// Share of the inertial samples at which the sensor was at rest or the foot stood, 0 to 1.
-    fn share_at_rest(&self) -> Option<f64>;
+    /// Share of the inertial samples at which the sensor was at rest or the foot stood, 0 to 1; `None` where the method does not tell.
+    fn share_at_rest(&self) -> Option<f64> {
+        None
+    }
 
     /// Odd things that the method met.
     fn warnings(&self) -> &[MethodWarning];

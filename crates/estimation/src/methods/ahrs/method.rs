@@ -130,10 +130,6 @@ impl MethodSettings for AhrsParams {
 }
 
 impl MethodReport for AhrsReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
     fn share_at_rest(&self) -> Option<f64> {
         (self.samples > 0).then(|| self.still_samples as f64 / self.samples as f64)
     }

@@ -52,14 +52,6 @@ impl InsWifiReport {
 }
 
 impl MethodReport for InsWifiReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }

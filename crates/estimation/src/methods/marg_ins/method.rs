@@ -7,7 +7,6 @@ use crate::methods::{
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
-use serde::Serialize;
 
 impl Method for MargIns {
     type Report = MargInsReport;
@@ -63,10 +62,6 @@ impl MethodSettings for MargInsParams {
 }
 
 impl MethodReport for MargInsReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
     fn share_at_rest(&self) -> Option<f64> {
         (self.samples > 0).then(|| self.still_samples as f64 / self.samples as f64)
     }

@@ -147,14 +147,6 @@ impl MethodSettings for PdrParams {
 }
 
 impl MethodReport for PdrReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }

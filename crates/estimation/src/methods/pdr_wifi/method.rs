@@ -168,14 +168,6 @@ impl MethodSettings for PdrWifiParams {
 }
 
 impl MethodReport for PdrWifiReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }

@@ -77,14 +77,6 @@ impl<V: Variant> MethodSettings for UwbFilterParams<V> {
 }
 
 impl MethodReport for UwbFilterReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }

@@ -157,14 +157,6 @@ impl MethodSettings for UwbLsParams {
 }
 
 impl MethodReport for UwbLsReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }

@@ -159,14 +159,6 @@ impl MethodSettings for WifiParams {
 }
 
 impl MethodReport for WifiReport {
-    fn details(&self) -> impl Serialize {
-        self
-    }
-
-    fn share_at_rest(&self) -> Option<f64> {
-        None
-    }
-
     fn warnings(&self) -> &[MethodWarning] {
         &self.warnings
     }
