@@ -186,7 +186,7 @@ fn nees_cell(nees: Option<&Nees>) -> String {
     )
 }
 
-fn number(value: Option<f64>, unit: &str) -> String {
+pub(super) fn number(value: Option<f64>, unit: &str) -> String {
     value.map_or_else(
         || "–".to_owned(),
         |value| {
@@ -196,6 +196,6 @@ fn number(value: Option<f64>, unit: &str) -> String {
     )
 }
 
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
