@@ -37,7 +37,8 @@ pub struct SetEntry {
     /// Where anchors, receivers or beacons are.
     places: Option<Places>,
     /// What is learnt of the signal strengths of the other runs, before a run is judged.
-    learn: Option<Learnt>,
+    #[serde(default)]
+    learn: Vec<Learnt>,
     /// What a sidecar of every log would say.
     sidecar: Option<Sidecar>,
     /// The first true place is told as a position fix with this standard deviation, m.
@@ -115,7 +116,7 @@ pub struct RecordedSet {
     /// Where transmitters are.
     pub places: Option<Places>,
     /// What is learnt of the other runs.
-    pub learn: Option<Learnt>,
+    pub learn: Vec<Learnt>,
     /// What a sidecar would say.
     pub sidecar: Option<Sidecar>,
     /// The first true place is told, m.
@@ -163,7 +164,7 @@ impl SetEntry {
             within: self.within.as_ref().map(|within| within.get_ref().clone()),
             skip_s: self.skip_s,
             places: self.places.clone(),
-            learn: self.learn,
+            learn: self.learn.clone(),
             sidecar: self.sidecar.clone(),
             first_fix_sigma_m: first_fix_sigma_m.transpose()?,
         })

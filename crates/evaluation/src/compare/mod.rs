@@ -28,7 +28,8 @@ pub use figure::Figure;
 pub use html::html;
 pub use paired::PairedDifference;
 pub use run::{
-    Moments, RunErrors, RunOptions, TrueState, loop_error, path_errors_m, run_errors, run_errors_at_truth, run_motion,
+    Moments, RunErrors, RunOptions, TrueState, loop_error, path_errors_m, run_errors, run_errors_at_truth,
+    run_motion,
 };
 pub use suite::{Difference, JudgedPart, Merit, Suite, SuitePart};
 pub use suite_html::{part_html, suite_html};

@@ -116,7 +116,8 @@ impl JudgedPart {
     ) -> Self {
         let mut part = Self { comparison, merit, table, best: None, differences: Vec::new(), warnings };
         part.best = part.best_of_table().map(str::to_owned);
-        let first = part.table.iter().find(|(method, _)| method == FIRST_CHOICE).map(|(_, name)| name.clone());
+        let first =
+            part.table.iter().find(|(method, _)| method == FIRST_CHOICE).map(|(_, name)| name.clone());
         if let Some(reference) = first.or_else(|| part.best.clone()) {
             part.differences = part.against(&reference);
         }
@@ -135,7 +136,8 @@ impl JudgedPart {
     }
 
     fn best_of_table(&self) -> Option<&str> {
-        let entered = || self.table.iter().filter_map(|(_, name)| Some((name.as_str(), self.merit_of(name)?)));
+        let entered =
+            || self.table.iter().filter_map(|(_, name)| Some((name.as_str(), self.merit_of(name)?)));
         let most = entered().map(|(_, merit)| merit.runs).max()?;
         let whole = entered().filter(|(_, merit)| merit.runs == most);
         let known = whole.filter_map(|(name, merit)| Some((name, merit.mean?)));
@@ -170,7 +172,12 @@ pub(super) fn shown(value: f64) -> String {
 
 impl fmt::Display for Suite {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} parts; mean over the runs, the best of a part with *\n", self.suite, self.parts.len())?;
+        writeln!(
+            f,
+            "{}: {} parts; mean over the runs, the best of a part with *\n",
+            self.suite,
+            self.parts.len()
+        )?;
         let width = self.parts.iter().map(|part| part.name.chars().count()).max().unwrap_or(0);
         for part in &self.parts {
             let SuitePart { name, figure, unit, .. } = part;
@@ -184,7 +191,8 @@ impl fmt::Display for Suite {
                 let Some(merit) = judged.merit_of(name) else { continue };
                 let value = merit.mean.map_or_else(|| "–".to_owned(), shown);
                 let best = if judged.best.as_ref() == Some(name) { "*" } else { "" };
-                let some = if merit.runs < runs { format!(" ({} of {runs})", merit.runs) } else { String::new() };
+                let some =
+                    if merit.runs < runs { format!(" ({} of {runs})", merit.runs) } else { String::new() };
                 write!(f, "  {method} {value}{best}{some}")?;
             }
             writeln!(f)?;

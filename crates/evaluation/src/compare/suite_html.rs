@@ -143,7 +143,11 @@ fn opening(page: &mut String, suite: &Suite) {
         );
         let Some(judged) = &part.judged else {
             let why = escape(part.skipped.as_deref().unwrap_or("not run"));
-            let _ = writeln!(page, "<td></td><td class=\"skipped\" colspan=\"{}\">{why}</td></tr>", suite.columns.len());
+            let _ = writeln!(
+                page,
+                "<td></td><td class=\"skipped\" colspan=\"{}\">{why}</td></tr>",
+                suite.columns.len()
+            );
             continue;
         };
         let _ = write!(page, "<td>{}</td>", judged.comparison.seeds);

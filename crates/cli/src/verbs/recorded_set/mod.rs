@@ -147,14 +147,12 @@ impl SetRuns {
         let mut site = places::site(&listed, places.beacons);
         let others = self.runs.iter().enumerate().filter(|(other, _)| *other != index);
         let logs: Vec<PathBuf> = others.flat_map(|(_, run)| run.logs.clone()).collect();
-        match self.set.learn {
-            None => {}
-            Some(Learnt::PathLoss) => {
-                site = site.with_path_loss(&calibration::path_loss_of(&logs, &listed.places, &listed.file)?);
-            }
-            Some(Learnt::Fingerprint) => {
-                site = site.with_fingerprints(calibration::fingerprints_of(&logs, &listed.places, &listed.file)?);
-            }
+        let (list, file) = (&listed.places, &listed.file);
+        for learn in &self.set.learn {
+            site = match learn {
+                Learnt::PathLoss => site.with_path_loss(&calibration::path_loss_of(&logs, list, file)?),
+                Learnt::Fingerprint => site.with_fingerprints(calibration::fingerprints_of(&logs, list, file)?),
+            };
         }
         Ok(Some(Arc::new(site)))
     }
