@@ -183,7 +183,8 @@ impl Scenario {
     pub fn contest(&self) -> Result<Contest> {
         let Some(entry) = &self.entries.compare else { return Ok(Contest::default()) };
         let contenders = Contender::all(&entry.runs, &self.source)?;
-        let every_s = entry.judged_every_s.as_ref().map(|every_s| self.source.every_s(every_s)).transpose()?;
+        let every_s =
+            entry.judged_every_s.as_ref().map(|every_s| self.source.every_s(every_s)).transpose()?;
         let moments = Moments {
             from_s: entry.judged_from_s,
             every_s: every_s.unwrap_or(GRID_S),
@@ -206,7 +207,13 @@ impl Scenario {
             let what = "a run that is tuned needs [compare.tuning]: person, agents, evaluations";
             return Err(self.source.error(&run.span(), what));
         }
-        Ok(Contest { align: entry.align, moments, person: self.source.number(&entry.person)?, tuning, contenders })
+        Ok(Contest {
+            align: entry.align,
+            moments,
+            person: self.source.number(&entry.person)?,
+            tuning,
+            contenders,
+        })
     }
 }
 
@@ -218,9 +225,10 @@ impl Source {
 
     /// A person of the mine, counted from 1 in the file and from 0 here.
     fn number(&self, person: &Spanned<usize>) -> Result<usize> {
-        person.get_ref().checked_sub(1).ok_or_else(|| {
-            self.error(&person.span(), "person is 0, expected the number of a person, from 1")
-        })
+        person
+            .get_ref()
+            .checked_sub(1)
+            .ok_or_else(|| self.error(&person.span(), "person is 0, expected the number of a person, from 1"))
     }
 
     /// A time between judged moments.

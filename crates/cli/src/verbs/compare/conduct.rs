@@ -59,7 +59,8 @@ pub fn run_all(
         for contender in contenders {
             let (taught, site) = (lessons.taught(contender)?, lessons.site(contender, &trial)?);
             let options = rules.options(&trial, contender);
-            let (mut run, estimate) = contest::enter(&trial, &taught, site.as_ref(), (rules.stamps, &options))?;
+            let (mut run, estimate) =
+                contest::enter(&trial, &taught, site.as_ref(), (rules.stamps, &options))?;
             if contender.nlos.is_some() || contender.calibrate.is_some() {
                 run.ranges = RangeRecord::of(&trial, contender, site.as_deref());
             }

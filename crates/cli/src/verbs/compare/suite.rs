@@ -13,9 +13,7 @@ use crate::suite_file::{Part, PartSource, Suite};
 use crate::verbs::recorded_set::SetRuns;
 use crate::verbs::trials::Trials;
 use adit_evaluation::alignment::Alignment;
-use adit_evaluation::compare::{
-    self as report, Figure, JudgedPart, Merit, SuitePart, part_html, suite_html,
-};
+use adit_evaluation::compare::{self as report, Figure, JudgedPart, Merit, SuitePart, part_html, suite_html};
 use adit_evaluation::plot::DistributionCurve;
 use adit_evaluation::statistics::Distribution;
 use anyhow::{Context, Result, bail};
@@ -163,7 +161,12 @@ fn merits(conducted: &Conducted, contest: &Contest, figure: Figure) -> Vec<(Stri
         let runs = conducted.runs.iter();
         Merit::of(runs.map(|run| figure.of(&run[nth].outcome.as_ref()?.errors)).collect())
     };
-    contest.contenders.iter().enumerate().map(|(nth, contender)| (contender.name.clone(), merit(nth))).collect()
+    contest
+        .contenders
+        .iter()
+        .enumerate()
+        .map(|(nth, contender)| (contender.name.clone(), merit(nth)))
+        .collect()
 }
 
 /// The methods that stand in any row; `fused` first, the others in the order of the command line.
@@ -183,7 +186,8 @@ fn json(suite: &report::Suite, ranges: &[Vec<(String, RangeReport)>]) -> Result<
     let parts = value.get_mut("parts").and_then(Value::as_array_mut).context("a suite has parts")?;
     for (part, ranges) in parts.iter_mut().zip(ranges) {
         if let (Some(part), false) = (part.as_object_mut(), ranges.is_empty()) {
-            let entries = ranges.iter().map(|(name, report)| Ok((name.clone(), serde_json::to_value(report)?)));
+            let entries =
+                ranges.iter().map(|(name, report)| Ok((name.clone(), serde_json::to_value(report)?)));
             part.insert("ranges".to_owned(), Value::Object(entries.collect::<Result<_>>()?));
         }
     }

@@ -42,7 +42,8 @@ pub fn joined(files: &[PathBuf], sidecar: Option<&Sidecar>) -> Result<Vec<Observ
         // Where the magnetometer is silent there is no sample at all: the log is of one kind throughout.
         let Some(field_ut) = field_ut.map_or(Some(None), |field| field.map(Some)) else { continue };
         observations.push(Observation::Imu(ImuSample { time, angular_rate_rad_s, specific_force_m_s2 }));
-        observations.extend(field_ut.map(|field_ut| Observation::Magnetic(MagneticSample { time, field_ut })));
+        observations
+            .extend(field_ut.map(|field_ut| Observation::Magnetic(MagneticSample { time, field_ut })));
     }
     if let Some(sidecar) = sidecar {
         observations = observations.into_iter().map(|observation| sidecar.apply(observation)).collect();

@@ -115,7 +115,8 @@ impl SetRuns {
     /// The truth, cut to the time that counts.
     fn truth(&self, run: &SetRun, path: &Path) -> Result<Truth> {
         let mut known = truth::from_input(rows::of_truth(path, self.set.truth_row.as_ref())?)?;
-        let [mut from, to] = match self.set.logs.iter().position(|log| Some(log) == self.set.within.as_ref()) {
+        let [mut from, to] = match self.set.logs.iter().position(|log| Some(log) == self.set.within.as_ref())
+        {
             Some(nth) => times(&run.logs[nth])?,
             None => [Time::from_nanos(i64::MIN / 4), Time::from_nanos(i64::MAX / 4)],
         };
@@ -151,7 +152,9 @@ impl SetRuns {
         for learn in &self.set.learn {
             site = match learn {
                 Learnt::PathLoss => site.with_path_loss(&calibration::path_loss_of(&logs, list, file)?),
-                Learnt::Fingerprint => site.with_fingerprints(calibration::fingerprints_of(&logs, list, file)?),
+                Learnt::Fingerprint => {
+                    site.with_fingerprints(calibration::fingerprints_of(&logs, list, file)?)
+                }
             };
         }
         Ok(Some(Arc::new(site)))
