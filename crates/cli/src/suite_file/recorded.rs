@@ -41,12 +41,12 @@ pub struct SetEntry {
     learn: Vec<Learnt>,
     /// What a sidecar of every log would say.
     sidecar: Option<Sidecar>,
-    /// The first true place is told as a position fix with this standard deviation, m.
+    /// The first true place is told as a position fix with this standard deviation, m, and does not count.
     first_fix_sigma_m: Option<Spanned<f64>>,
 }
 
 /// A list of places, as text: a column of names, `x_m`, `y_m`, perhaps `z_m` and `floor`.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Places {
     /// The file; `NAME_anchors.csv` of the run where this is none.
@@ -57,6 +57,9 @@ pub struct Places {
     pub height_m: Option<f64>,
     /// From floor to floor, m, and the floor on which heights are zero.
     pub storeys: Option<Storeys>,
+    /// What the list says that anchors add to their ranges is taken off them.
+    #[serde(default = "yes")]
+    pub offsets: bool,
     /// They are Bluetooth beacons.
     #[serde(default)]
     pub beacons: bool,
@@ -169,4 +172,8 @@ impl SetEntry {
             first_fix_sigma_m: first_fix_sigma_m.transpose()?,
         })
     }
+}
+
+fn yes() -> bool {
+    true
 }

@@ -186,7 +186,7 @@ fn nees_cell(nees: Option<&Nees>) -> String {
     )
 }
 
-pub(super) fn number(value: Option<f64>, unit: &str) -> String {
+fn number(value: Option<f64>, unit: &str) -> String {
     value.map_or_else(
         || "–".to_owned(),
         |value| {

@@ -1,19 +1,19 @@
 //! A suite as one HTML page: the opening table, then every part.
 
-use super::html::{escape, number};
+use super::html::escape;
 use super::suite::{JudgedPart, Suite, SuitePart, shown};
 use crate::EvaluationError;
 use crate::plot::{DistributionCurve, PathCurve, error_distribution_figure, path_figure};
 use std::fmt::Write;
 
 const STYLE: &str = "\
-body{font:15px/1.5 system-ui,sans-serif;color:#22262a;max-width:72rem;margin:2rem auto;padding:0 1rem}\
+body{font:15px/1.5 system-ui,sans-serif;color:#22262a;max-width:84rem;margin:2rem auto;padding:0 1rem}\
 h1{font-size:1.6rem;margin-bottom:.3rem}h2{font-size:1.2rem;margin-top:3rem;border-top:1px solid #e6e9ec;padding-top:1rem}\
 h3{font-size:1rem;margin:1.2rem 0 .2rem}\
 .wide{overflow-x:auto}table{border-collapse:collapse;margin:.5rem 0}\
-th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #e6e9ec;white-space:nowrap}\
+th,td{padding:.25rem .55rem;text-align:right;border-bottom:1px solid #e6e9ec;white-space:nowrap}\
 th:first-child,td:first-child{text-align:left}\
-table.opening{font-size:13px}table.opening td:nth-child(2),table.opening th:nth-child(2){text-align:left;color:#5b636b}\
+table.opening{font-size:13px}table.opening td,table.opening th{padding:.25rem .45rem}table.parts td:nth-child(2),table.parts th:nth-child(2){text-align:left;color:#5b636b}table.opening td:nth-child(2),table.opening th:nth-child(2){text-align:left;color:#5b636b}\
 table.opening th{vertical-align:bottom}table.opening th.m{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;padding:.6rem .2rem}\
 table.opening td:first-child{position:sticky;left:0;background:#fff}\
 td.best{font-weight:600;background:#e3f2ec}td.none{color:#b4bac0}td.skipped{color:#5b636b;font-style:italic;text-align:left}\
@@ -43,8 +43,9 @@ pub fn part_html(
     let comparison = &judged.comparison;
     let _ = writeln!(
         page,
-        "<p class=\"note\">{} runs{}; aligned {}, judged {}.</p>",
+        "<p class=\"note\">{} run{}{}; aligned {}, judged {}.</p>",
         comparison.seeds,
+        if comparison.seeds == 1 { "" } else { "s" },
         comparison.first_seed.map_or_else(String::new, |seed| format!(", seeds from {seed}")),
         escape(&comparison.alignment),
         comparison.judged(),
@@ -70,7 +71,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
     let against = reference.map_or_else(String::new, |name| format!("more than {} [95 %]", escape(name)));
     let _ = write!(
         page,
-        "<div class=\"wide\"><table><tr><th>contender</th><th>method</th><th>{figure}, {unit}: mean</th><th>median</th>\
+        "<div class=\"wide\"><table class=\"parts\"><tr><th>contender</th><th>method</th><th>{figure}, {unit}: mean</th><th>median</th>\
          <th>worst run</th><th>runs</th><th>{against}</th><th>below 2 m</th><th>NEES</th><th>one sample</th></tr>\n"
     );
     for (name, summary) in &judged.comparison.methods {
@@ -98,7 +99,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
             cell(merit.worst),
             merit.runs,
             judged.comparison.seeds,
-            number(summary.share_below_2m.map(|share| 100.0 * share), " %"),
+            summary.share_below_2m.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
             if summary.runs > 0 { format!("{:.0} ns", summary.time_per_step_ns) } else { "–".to_owned() },
         );
     }

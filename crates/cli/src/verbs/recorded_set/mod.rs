@@ -16,7 +16,7 @@ use crate::truth_beside;
 use crate::verbs::calibrate::radio as calibration;
 use crate::verbs::trials::Trial;
 use adit_core::time::{Interval, Time};
-use adit_core::trajectory::Pose;
+use adit_core::trajectory::{Pose, Trajectory};
 use adit_estimation::radio::RadioSite;
 use adit_evaluation::ape::carries_attitude;
 use adit_evaluation::compare::TrueState;
@@ -86,12 +86,12 @@ impl SetRuns {
             observations.extend(join::joined(&run.join, sidecar.as_ref())?);
             observations.sort_by_key(Observation::time);
         }
-        let known = match &run.truth {
+        let mut known = match &run.truth {
             Some(path) => Some(self.truth(run, path)?),
             None => None,
         };
-        if let (Some(sigma_m), Some(known)) = (set.first_fix_sigma_m, &known) {
-            tell_first(&mut observations, known, sigma_m);
+        if let (Some(sigma_m), Some(known)) = (set.first_fix_sigma_m, &mut known) {
+            tell_first(&mut observations, known, sigma_m)?;
         }
         let radio = self.radio(index)?;
         let state = |pose: &Pose| TrueState { pose: *pose, velocity_m_s: None };
@@ -137,7 +137,7 @@ impl SetRuns {
         if kept.is_empty() {
             bail!("{}: no row of the truth within the time of the log", path.display());
         }
-        known.trajectory = adit_core::trajectory::Trajectory::new(kept)?;
+        known.trajectory = Trajectory::new(kept)?;
         Ok(known)
     }
 
@@ -206,12 +206,17 @@ fn times(log: &Path) -> Result<[Time; 2]> {
     ends.with_context(|| format!("{}: nothing in it", log.display()))
 }
 
-/// The first true place, as somebody told it.
-fn tell_first(observations: &mut Vec<Observation>, known: &Truth, sigma_m: f64) {
-    let Some(first) = known.trajectory.poses().first() else { return };
+/// The first true place, as somebody told it; what was told is no more to be found.
+fn tell_first(observations: &mut Vec<Observation>, known: &mut Truth, sigma_m: f64) -> Result<()> {
+    let Some((first, others)) = known.trajectory.poses().split_first() else { return Ok(()) };
     let fix = PositionFix::level(first.time, first.position_m.xy(), sigma_m, FixSource::Survey);
     let at = observations.partition_point(|observation| observation.time() <= first.time);
     observations.insert(at, Observation::Fix(fix));
+    known.trajectory = Trajectory::new(others.to_vec())?;
+    if let Some(moving) = known.moving.as_mut().filter(|moving| !moving.is_empty()) {
+        moving.remove(0);
+    }
+    Ok(())
 }
 
 #[cfg(test)]

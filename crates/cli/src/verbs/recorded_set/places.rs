@@ -38,7 +38,7 @@ pub fn read(places: &Places, folder: &Path, run: &str) -> Result<Listed> {
             *up = height_m;
         }
     }
-    let offsets_m = offsets(&file, &listed)?;
+    let offsets_m = if places.offsets { offsets(&file, &listed)? } else { Vec::new() };
     Ok(Listed { file, places: listed, offsets_m })
 }
 
