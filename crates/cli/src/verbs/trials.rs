@@ -98,6 +98,15 @@ impl Trials {
         }
     }
 
+    /// Name of one in a list of them: its seed, or what its file is called.
+    pub fn name(&self, index: usize) -> String {
+        match self {
+            Self::Simulated(_, first, _) => format!("seed {}", first.wrapping_add(index as u64)),
+            Self::Recorded(pairs) => truth_beside::stem(&pairs[index].0),
+            Self::Set(runs) => runs.name(index).to_owned(),
+        }
+    }
+
     /// What the scenario says of a comparison.
     pub fn contest(&self) -> Result<Contest> {
         match self {

@@ -35,6 +35,8 @@ pub struct SuitePart {
     pub about: String,
     /// The figure of merit.
     pub figure: Figure,
+    /// What that is, in words.
+    pub figure_words: &'static str,
     /// Its unit.
     pub unit: &'static str,
     /// Why it was not run, where it was not.
@@ -50,6 +52,8 @@ pub struct JudgedPart {
     /// All figures of all contenders.
     #[serde(flatten)]
     pub comparison: Comparison,
+    /// Names of the runs, in their order.
+    pub run_names: Vec<String>,
     /// The figure of merit of each contender, by name.
     #[serde(serialize_with = "as_map")]
     pub merit: Vec<(String, Merit)>,
@@ -110,11 +114,13 @@ impl JudgedPart {
     /// Of a comparison and the figure of merit of each contender; `table` has for each method the contender that stands for it.
     pub fn new(
         comparison: Comparison,
+        run_names: Vec<String>,
         merit: Vec<(String, Merit)>,
         table: Vec<(String, String)>,
         warnings: Vec<String>,
     ) -> Self {
-        let mut part = Self { comparison, merit, table, best: None, differences: Vec::new(), warnings };
+        let mut part =
+            Self { comparison, run_names, merit, table, best: None, differences: Vec::new(), warnings };
         part.best = part.best_of_table().map(str::to_owned);
         let first =
             part.table.iter().find(|(method, _)| method == FIRST_CHOICE).map(|(_, name)| name.clone());

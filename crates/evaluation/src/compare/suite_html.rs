@@ -13,12 +13,12 @@ h3{font-size:1rem;margin:1.2rem 0 .2rem}\
 .wide{overflow-x:auto}table{border-collapse:collapse;margin:.5rem 0}\
 th,td{padding:.25rem .55rem;text-align:right;border-bottom:1px solid #e6e9ec;white-space:nowrap}\
 th:first-child,td:first-child{text-align:left}\
-table.opening{font-size:13px}table.opening td,table.opening th{padding:.25rem .45rem}table.parts td:nth-child(2),table.parts th:nth-child(2){text-align:left;color:#5b636b}table.opening td:nth-child(2),table.opening th:nth-child(2){text-align:left;color:#5b636b}\
+table.opening{font-size:13px}table.opening td,table.opening th{padding:.25rem .45rem}table.parts td:nth-child(2),table.parts th:nth-child(2){text-align:left;color:#5b636b}table.all td:nth-child(2),table.all th:nth-child(2){text-align:left;color:#5b636b}\
 table.opening th{vertical-align:bottom}table.opening th.m{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;padding:.6rem .2rem}\
 table.opening td:first-child{position:sticky;left:0;background:#fff}\
 td.best{font-weight:600;background:#e3f2ec}td.none{color:#b4bac0}td.skipped{color:#5b636b;font-style:italic;text-align:left}\
 small{color:#5b636b}a{color:#0072b2;text-decoration:none}\
-svg{max-width:100%;height:auto}p.note,p.about{color:#5b636b;max-width:52rem}p.about{color:#22262a}\
+details{margin:.4rem 0}summary{cursor:pointer;color:#0072b2}svg{max-width:100%;height:auto}p.note,p.about{color:#5b636b;max-width:52rem}p.about{color:#22262a}\
 @media print{.wide{overflow:visible}h2{break-before:page}}";
 
 /// The section of one part: its table, the paths of its first run, the distributions of its errors.
@@ -51,9 +51,10 @@ pub fn part_html(
         comparison.judged(),
     );
     contenders_table(&mut page, part, judged);
-    for warning in &judged.warnings {
-        let _ = writeln!(page, "<p class=\"note\">{}</p>", escape(warning));
+    if judged.run_names.len() > 1 {
+        runs_table(&mut page, part, judged);
     }
+    warnings(&mut page, judged);
     if !paths.is_empty() {
         page += "<h3>Paths of the first run</h3>\n";
         page += &path_figure(paths, "")?;
@@ -106,6 +107,39 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
     *page += "</table></div>\n";
 }
 
+fn warnings(page: &mut String, judged: &JudgedPart) {
+    if judged.warnings.is_empty() {
+        return;
+    }
+    let _ = write!(page, "<details><summary>What was odd ({})</summary><ul>", judged.warnings.len());
+    for warning in &judged.warnings {
+        let _ = write!(page, "<li>{}</li>", escape(warning));
+    }
+    *page += "</ul></details>\n";
+}
+
+/// Every contender on every run, folded in.
+fn runs_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
+    let (unit, figure) = (part.unit, part.figure.words());
+    let _ = write!(
+        page,
+        "<details><summary>Run by run: {figure}, {unit}</summary><div class=\"wide\"><table class=\"opening\"><tr><th>run</th>"
+    );
+    for (name, _) in &judged.merit {
+        let _ = write!(page, "<th>{}</th>", escape(name));
+    }
+    *page += "</tr>\n";
+    for (nth, run) in judged.run_names.iter().enumerate() {
+        let _ = write!(page, "<tr><td>{}</td>", escape(run));
+        for (_, merit) in &judged.merit {
+            let value = merit.of_runs.get(nth).copied().flatten();
+            let _ = write!(page, "<td>{}</td>", value.map_or_else(|| "–".to_owned(), shown));
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table></div></details>\n";
+}
+
 fn signed(value: f64) -> String {
     let text = shown(value.abs());
     format!("{}{text}", if value < 0.0 { "−" } else { "+" })
@@ -129,7 +163,7 @@ pub fn suite_html(suite: &Suite, sections: &[String]) -> String {
 }
 
 fn opening(page: &mut String, suite: &Suite) {
-    *page += "<div class=\"wide\"><table class=\"opening\"><tr><th>part</th><th>figure</th><th>runs</th>";
+    *page += "<div class=\"wide\"><table class=\"opening all\"><tr><th>part</th><th>figure</th><th>runs</th>";
     for method in &suite.columns {
         let _ = write!(page, "<th class=\"m\">{}</th>", escape(method));
     }

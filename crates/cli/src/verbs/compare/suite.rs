@@ -18,7 +18,8 @@ use adit_evaluation::plot::DistributionCurve;
 use adit_evaluation::statistics::Distribution;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use serde_json::Value;
+use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Contenders in a figure: as many as there are colours.
 const IN_FIGURES: usize = 7;
@@ -60,7 +61,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         output::write_file(path, &suite_html(&suite, &sections))?;
     }
     if let Some(target) = &args.json {
-        target.write(&(serde_json::to_string_pretty(&json(&suite, &ranges)?)? + "\n"))?;
+        target.write(&(serde_json::to_string_pretty(&Report::of(&suite, &ranges))? + "\n"))?;
         if *target == Target::Stdout {
             output::tell(&suite.to_string());
             return Ok(());
@@ -97,7 +98,8 @@ fn skipped(part: &Part) -> SuitePart {
         _ => "SKIPPED: none of the chosen methods competes".to_owned(),
     };
     let (name, about, figure) = (part.name.clone(), part.about.clone(), part.figure);
-    SuitePart { name, about, figure, unit: figure.unit(), skipped: Some(why), judged: None }
+    let (figure_words, unit) = (figure.words(), figure.unit());
+    SuitePart { name, about, figure, figure_words, unit, skipped: Some(why), judged: None }
 }
 
 type Compared = (SuitePart, String, Vec<(String, RangeReport)>);
@@ -122,11 +124,13 @@ fn compared(part: &Part, trials: &Trials, progress: &Progress) -> Result<Compare
     };
     let (comparison, ranges) = conducted.summed_up(source, trials, contest, &rules).with_context(place)?;
     let merit = merits(&conducted, contest, part.figure);
-    let judged = JudgedPart::new(comparison, merit, part.table(), conducted.warnings());
+    let names = (0..trials.len()).map(|index| trials.name(index)).collect();
+    let judged = JudgedPart::new(comparison, names, merit, part.table(), conducted.warnings());
     let judged = SuitePart {
         name: part.name.clone(),
         about: part.about.clone(),
         figure: part.figure,
+        figure_words: part.figure.words(),
         unit: part.figure.unit(),
         skipped: None,
         judged: Some(judged),
@@ -180,16 +184,36 @@ fn columns(parts: &[SuitePart]) -> Vec<String> {
     columns
 }
 
-/// The suite, each part with what became of its ranges.
-fn json(suite: &report::Suite, ranges: &[Vec<(String, RangeReport)>]) -> Result<Value> {
-    let mut value = serde_json::to_value(suite)?;
-    let parts = value.get_mut("parts").and_then(Value::as_array_mut).context("a suite has parts")?;
-    for (part, ranges) in parts.iter_mut().zip(ranges) {
-        if let (Some(part), false) = (part.as_object_mut(), ranges.is_empty()) {
-            let entries =
-                ranges.iter().map(|(name, report)| Ok((name.clone(), serde_json::to_value(report)?)));
-            part.insert("ranges".to_owned(), Value::Object(entries.collect::<Result<_>>()?));
+/// What `--json` writes: the suite, each part with what became of its ranges.
+#[derive(Serialize)]
+struct Report<'a> {
+    suite: &'a str,
+    title: &'a str,
+    about: &'a str,
+    columns: &'a [String],
+    parts: Vec<PartReport<'a>>,
+}
+
+#[derive(Serialize)]
+struct PartReport<'a> {
+    #[serde(flatten)]
+    part: &'a SuitePart,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    ranges: BTreeMap<&'a str, &'a RangeReport>,
+}
+
+impl<'a> Report<'a> {
+    fn of(suite: &'a report::Suite, ranges: &'a [Vec<(String, RangeReport)>]) -> Self {
+        let part = |(part, ranges): (&'a SuitePart, &'a Vec<(String, RangeReport)>)| PartReport {
+            part,
+            ranges: ranges.iter().map(|(name, report)| (name.as_str(), report)).collect(),
+        };
+        Self {
+            suite: &suite.suite,
+            title: &suite.title,
+            about: &suite.about,
+            columns: &suite.columns,
+            parts: suite.parts.iter().zip(ranges).map(part).collect(),
         }
     }
-    Ok(value)
 }

@@ -75,13 +75,10 @@ impl Readings {
         Ok(Self { sensor, samples })
     }
 
-    /// On the straight line between two readings; `None` outside of them.
+    /// On the straight line between two readings; `None` where there is none before.
     fn at(&self, time: Time) -> Option<Vector3<f64>> {
         let after = self.samples.partition_point(|(stamp, _)| *stamp < time);
         let (later, to) = self.samples.get(after)?;
-        if *later == time {
-            return Some(*to);
-        }
         let (earlier, from) = self.samples.get(after.checked_sub(1)?)?;
         let share = (time - *earlier).seconds() / (*later - *earlier).seconds();
         Some(from + (to - from) * share)

@@ -67,6 +67,11 @@ impl SetRuns {
         self.runs.len()
     }
 
+    /// The name of one.
+    pub fn name(&self, index: usize) -> &str {
+        &self.runs[index].name
+    }
+
     /// Whether the truth is known along the way.
     pub fn has_truth(&self) -> bool {
         self.set.truth.is_some()
