@@ -72,6 +72,37 @@ pub fn fingerprints_of(
     Ok(fingerprint::model(&data, &fingerprint::SiteMaps::new(&data, &sites)?))
 }
 
+/// What of a survey is judged.
+#[derive(Debug, Clone, Copy)]
+pub enum JudgedSpots<'a> {
+    /// Those of another file.
+    Of(&'a Path),
+    /// A share of its spots, drawn by this seed, which nothing is fitted to.
+    LeftOut(f64, u64),
+}
+
+/// Every locator on scans at known spots, fitted to the others: its name, and how far its fixes are off, m.
+pub fn judge_survey(
+    survey: &Path,
+    list: &Path,
+    judged: JudgedSpots<'_>,
+) -> Result<Vec<(&'static str, Vec<f64>)>> {
+    let all = RadioData::read(&[survey.to_path_buf()])?;
+    let (train, test) = match judged {
+        JudgedSpots::Of(test) => {
+            let test = RadioData::read_like(test, &all)?;
+            (all, test)
+        }
+        JudgedSpots::LeftOut(share, seed) => all.split_by_spot(share, seed)?,
+    };
+    let sites = data::sites(&train, &data::places(list)?, list)?;
+    let models = models::SiteModels::new(&train, &sites)?;
+    let maps = fingerprint::SiteMaps::new(&train, &sites)?;
+    let mut judged = contest::run(&test, &models.contestants(), &models.followers(&test));
+    judged.extend(contest::run(&test, &maps.contestants(), &maps.followers(&test)));
+    Ok(judged.iter().map(|one| (one.method, one.errors_m().to_vec())).collect())
+}
+
 /// Writes the file, then the report: to stderr where stdout has the file.
 fn deliver(target: &Target, text: &str, report: &str) -> Result<()> {
     target.write(text)?;
