@@ -4,7 +4,7 @@ use crate::interrupt;
 use crate::method::MethodName;
 use crate::suite_file::{Part, RadioSurvey, SpotChoice};
 use crate::truth_beside;
-use crate::verbs::calibrate::radio::{JudgedSpots, judge_survey};
+use crate::verbs::calibrate::radio::{JudgedSpots, SpotErrors, judge_survey};
 use adit_evaluation::compare::{Comparison, JudgedPart, Merit, RunErrors, RunOutcome, SuitePart, summarise};
 use adit_evaluation::plot::DistributionCurve;
 use adit_evaluation::statistics::Distribution;
@@ -90,7 +90,7 @@ pub fn compared(
     runs: &SurveyRuns,
     step: &(dyn Fn() + Sync),
 ) -> Result<(SuitePart, Vec<DistributionCurve>)> {
-    let judged = |run: &SurveyRun| -> Result<Vec<(&'static str, Vec<f64>)>> {
+    let judged = |run: &SurveyRun| -> Result<SpotErrors> {
         interrupt::check()?;
         let spots = match &run.judged {
             SpotsOf::File(test) => JudgedSpots::Of(test),
@@ -101,7 +101,8 @@ pub fn compared(
         Ok(judged)
     };
     let all = runs.runs.par_iter().map(judged).collect::<Result<Vec<_>>>()?;
-    let names: Vec<&'static str> = all.first().into_iter().flatten().map(|(name, _)| *name).collect();
+    let names: Vec<&'static str> =
+        all.first().into_iter().flat_map(|run| &run.locators).map(|(name, _)| *name).collect();
     for chosen in &part.table {
         if !names.contains(&chosen.as_str()) {
             bail!("no locator is called \"{chosen}\", expected {}", names.join(", "));
@@ -109,8 +110,8 @@ pub fn compared(
     }
     let (mut methods, mut merit, mut curves) = (Vec::new(), Vec::new(), Vec::new());
     for name in names {
-        let of_run = |run: &Vec<(&'static str, Vec<f64>)>| {
-            run.iter().find(|(known, _)| *known == name).map(|(_, errors_m)| outcome(errors_m))
+        let of_run = |run: &SpotErrors| {
+            run.locators.iter().find(|(known, _)| *known == name).map(|(_, errors_m)| outcome(errors_m))
         };
         let outcomes: Vec<Option<RunOutcome>> = all.iter().map(of_run).collect();
         let errors = |outcome: &Option<RunOutcome>| part.figure.of(&outcome.as_ref()?.errors);
@@ -135,6 +136,9 @@ pub fn compared(
     };
     let chosen = part.table.first().or(merit.first().map(|(name, _)| name)).cloned();
     let table = chosen.map(|name| (METHOD.name().to_owned(), name)).into_iter().collect();
+    let mut warnings: Vec<String> = all.iter().flat_map(|run| run.warnings.clone()).collect();
+    warnings.sort();
+    warnings.dedup();
     let run_names = runs.runs.iter().map(|run| run.name.clone()).collect();
     let judged = SuitePart {
         name: part.name.clone(),
@@ -143,7 +147,7 @@ pub fn compared(
         figure_words: part.figure.words(),
         unit: part.figure.unit(),
         skipped: None,
-        judged: Some(JudgedPart::new(comparison, run_names, merit, table, Vec::new())),
+        judged: Some(JudgedPart::new(comparison, run_names, merit, table, warnings)),
     };
     Ok((judged, curves))
 }

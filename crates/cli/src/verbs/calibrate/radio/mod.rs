@@ -9,6 +9,7 @@ pub mod pathloss;
 
 use crate::args::{LeaveOut, RadioArgs};
 use crate::output::{self, Target};
+use crate::progress;
 use adit_estimation::radio::model::{FingerprintModel, PathLossModel};
 use adit_observation::survey::TransmitterPlace;
 use anyhow::Result;
@@ -50,7 +51,12 @@ fn trials<'a>(args: &RadioArgs, all: &RadioData, tests: Vec<RadioData>) -> Resul
 /// Reads what to fit and what to judge on, with the same transmitters.
 fn read(args: &RadioArgs) -> Result<(RadioData, Vec<RadioData>)> {
     let all = RadioData::read(&args.data)?;
-    let tests = args.evaluate.iter().map(|path| RadioData::read_like(path, &all));
+    progress::warn(&all.warnings);
+    let tests = args.evaluate.iter().map(|path| {
+        let test = RadioData::read_like(path, &all)?;
+        progress::warn(&test.warnings);
+        Ok(test)
+    });
     Ok((all.clone(), tests.collect::<Result<_>>()?))
 }
 
@@ -81,12 +87,16 @@ pub enum JudgedSpots<'a> {
     LeftOut(f64, u64),
 }
 
-/// Every locator on scans at known spots, fitted to the others: its name, and how far its fixes are off, m.
-pub fn judge_survey(
-    survey: &Path,
-    list: &Path,
-    judged: JudgedSpots<'_>,
-) -> Result<Vec<(&'static str, Vec<f64>)>> {
+/// How far the fixes of every locator are off, m.
+pub struct SpotErrors {
+    /// By name.
+    pub locators: Vec<(&'static str, Vec<f64>)>,
+    /// What was odd.
+    pub warnings: Vec<String>,
+}
+
+/// Every locator on scans at known spots, fitted to the others.
+pub fn judge_survey(survey: &Path, list: &Path, judged: JudgedSpots<'_>) -> Result<SpotErrors> {
     let all = RadioData::read(&[survey.to_path_buf()])?;
     let (train, test) = match judged {
         JudgedSpots::Of(test) => {
@@ -100,7 +110,9 @@ pub fn judge_survey(
     let maps = fingerprint::SiteMaps::new(&train, &sites)?;
     let mut judged = contest::run(&test, &models.contestants(), &models.followers(&test));
     judged.extend(contest::run(&test, &maps.contestants(), &maps.followers(&test)));
-    Ok(judged.iter().map(|one| (one.method, one.errors_m().to_vec())).collect())
+    let locators = judged.iter().map(|one| (one.method, one.errors_m().to_vec())).collect();
+    let warnings = train.warnings.iter().chain(&test.warnings).cloned().collect();
+    Ok(SpotErrors { locators, warnings })
 }
 
 /// Writes the file, then the report: to stderr where stdout has the file.
