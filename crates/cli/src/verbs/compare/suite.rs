@@ -121,7 +121,7 @@ fn runs_of(part: &Part, seeds: Option<u32>) -> Result<Runs> {
         }
         PartSource::Recorded(set) => {
             let runs = SetRuns::find(set).with_context(place)?;
-            runs.map_or_else(|| not_at_hand(&set.name), |runs| Runs::Tracks(Trials::Set(runs)))
+            runs.map_or_else(|| not_at_hand(&set.name), |runs| Runs::Tracks(Trials::Set(Box::new(runs))))
         }
         PartSource::Survey(survey) => {
             let runs = SurveyRuns::find(survey).with_context(place)?;
