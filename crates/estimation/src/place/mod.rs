@@ -1,0 +1,3 @@
+//! Where somebody is, by dead reckoning of any kind and whatever else is at hand: hypotheses, each an error-state filter.
+
+pub mod state;
