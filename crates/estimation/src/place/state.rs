@@ -1,7 +1,7 @@
 //! One hypothesis of where somebody is: state, covariance, and what each kind of observation does to them.
 //!
 //! ```text
-//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ ]
+//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o ]
 //! p ← p + (κ R(ψ + η) Δ_level, Δ_up),   R(θ) = |  cos θ  sin θ |    (θ clockwise, as headings are)
 //!                                             | −sin θ  cos θ |
 //! η ← η + ρ Δt                                  while the gyro alone holds the heading
@@ -9,17 +9,20 @@
 //! ```
 //!
 //! Δ is the way of the carrier in its own frame, ψ the angle that its frame is turned by, η the error of its heading, ρ the rate at which that drifts, κ the factor of its
-//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late. Zero velocity makes all of a strapdown but position and heading observable
+//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late, o by how much the tag hears every
+//! signal too strong. Zero velocity makes all of a strapdown but position and heading observable
 //! (Nilsson, Zachariah, Skog & Händel 2013): these states are what is left. The error is truth minus estimate.
 //!
 //! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
 
 use crate::kalman::dense::propagate;
+use crate::radio::Emitter;
+use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
-pub const STATES: usize = 10;
+pub const STATES: usize = 11;
 /// East, the first of three components of the position.
 pub const EAST: usize = 0;
 /// North.
@@ -40,6 +43,8 @@ pub const BAROMETER: usize = 7;
 pub const COMMON: usize = 8;
 /// τ: by how much ranges are stamped late, s.
 pub const CLOCK: usize = 9;
+/// o: by how much the tag hears every signal too strong, dB.
+pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
@@ -148,12 +153,14 @@ pub struct State {
     pub common_m: f64,
     /// τ, s.
     pub clock_s: f64,
+    /// o, dB.
+    pub hearing_db: f64,
     /// Covariance of the error.
     pub covariance: Covariance,
 }
 
 impl State {
-    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s; squared).
+    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s, dB; squared).
     pub fn new(variances: &Vector) -> Self {
         Self {
             position_m: Vector3::zeros(),
@@ -163,6 +170,7 @@ impl State {
             barometer_m: 0.0,
             common_m: 0.0,
             clock_s: 0.0,
+            hearing_db: 0.0,
             covariance: Covariance::from_diagonal(variances),
         }
     }
@@ -223,7 +231,7 @@ impl State {
         block += covariance_m2;
     }
 
-    /// Derivative of the position before a way of the carrier by the error state: 3×10.
+    /// Derivative of the position before a way of the carrier by the error state: 3×11.
     fn before_by(&self, way_m: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
         let since = self.on_map(way_m);
         let mut by = SMatrix::<f64, 3, STATES>::zeros();
@@ -302,6 +310,33 @@ impl State {
         }
     }
 
+    /// A signal strength, dBm: `P(‖p − a‖) + o + e`, P the path loss, over a level distance and a height above the tag.
+    ///
+    /// Near the transmitter the logarithm bends; what is not known of the place smooths it, and its second moment is noise.
+    pub fn see_signal(
+        &self,
+        emitter: &Emitter,
+        (rssi_dbm, sigma_db): (f64, f64),
+        way_m: &Vector3<f64>,
+    ) -> Seen<1> {
+        let away = self.before(way_m).xy() - emitter.position_m.xy();
+        let spread_m2 = self.covariance.fixed_view::<2, 2>(EAST, EAST).trace();
+        let square_m2 = away.norm_squared() + emitter.position_m.z * emitter.position_m.z;
+        let smooth_m2 = (square_m2 + spread_m2).max(NEAREST_M * NEAREST_M);
+        let fall_db = fall_db(&emitter.path_loss, libm::sqrt(smooth_m2));
+        let slope = away * (-fall_db / smooth_m2);
+        let mut jacobian = slope.transpose() * self.before_by(way_m).fixed_rows::<2>(0);
+        jacobian[(0, HEARING)] = 1.0;
+        let bent_db = 0.5 * fall_db * spread_m2 / smooth_m2;
+        Seen {
+            residual: SVector::<f64, 1>::new(
+                rssi_dbm - mean_of_square_dbm(&emitter.path_loss, square_m2) - self.hearing_db,
+            ),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_db * sigma_db + bent_db * bent_db),
+        }
+    }
+
     /// What a distance from an anchor is expected to be.
     fn sphere(&self, anchor_m: &Vector3<f64>, back: &Back) -> Sphere {
         let velocity_m_s = self.on_map(&back.velocity_m_s);
@@ -355,6 +390,7 @@ impl State {
         self.barometer_m += correction[BAROMETER];
         self.common_m += correction[COMMON];
         self.clock_s += correction[CLOCK];
+        self.hearing_db += correction[HEARING];
     }
 
     /// Nothing is known of a state but this variance: its error is that of nothing else.

@@ -11,6 +11,7 @@ use super::aiding::{Aiding, Waiting};
 use super::carrier::Carrier;
 use super::method::FusedReport;
 use super::params::FusedParams;
+use super::signals::Signals;
 use crate::methods::MethodError;
 use crate::methods::pdr::radio::RadioFixes;
 use crate::methods::pdr::search::{FOUND_RAD, Found, Search, UNKNOWN_RAD};
@@ -18,8 +19,8 @@ use crate::place::params::{CarrierNoise, PlaceParams};
 use crate::place::single::Bank;
 use crate::place::state::Back;
 use crate::place::state::{
-    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HeadingError, NORTH, State, Stretch, TURN, UP,
-    Vector,
+    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, HeadingError, NORTH, State, Stretch,
+    TURN, UP, Vector,
 };
 use crate::place::trail::Trail;
 use crate::radio::AreaPrior;
@@ -41,6 +42,11 @@ use super::NAME;
 const TICK: Interval = Interval::from_nanos(95_000_000);
 /// The height is not known: standard deviation, m.
 const ANY_HEIGHT_M: f64 = 1e3;
+/// Positions over which the belief in them is learnt; its bounds; an outlier counts as no more than so many variances.
+const BELIEF_FIXES: f64 = 30.0;
+const BELIEF_LEAST: f64 = 0.02;
+const BELIEF_MOST: f64 = 4.0;
+const MOST_OFF: f64 = 9.0;
 /// A height that is known is known to this, m.
 const LEAST_HEIGHT_M: f64 = 0.01;
 /// A solution of a carrier after longer than this is a gap, s.
@@ -77,7 +83,10 @@ pub struct Follower {
     /// Height of the tag on a level floor, and its standard deviation, m, where somebody told it.
     floor_m: Option<(f64, f64)>,
     radio: Option<RadioFixes>,
+    signals: Option<Signals>,
     readers: Vec<Reader>,
+    /// What the covariance of positions by radio is multiplied by, of each source.
+    belief: [f64; FixSource::ALL.len()],
     /// Last time each link was heard, by anchor.
     heard: Vec<(usize, Time)>,
     /// The carrier's last solution, and where the bank has come to.
@@ -130,7 +139,9 @@ impl Follower {
                 .height_m
                 .map(|height_m| (height_m, params.solver.height_sigma_m.max(LEAST_HEIGHT_M))),
             radio: if known { RadioFixes::new(&radio)? } else { None },
+            signals: site.and_then(|site| Signals::new(site, &params.steps.radio)),
             readers: site.map(|site| site.readers.clone()).unwrap_or_default(),
+            belief: [1.0; FixSource::ALL.len()],
             heard: Vec::new(),
             reckoned: None,
             walked: None,
@@ -159,6 +170,11 @@ impl Follower {
             Observation::Signal(signal) => {
                 if let Some(radio) = &mut self.radio {
                     radio.observe(signal);
+                }
+                let (time, rssi_dbm) = (signal.time, signal.rssi_dbm);
+                let known = self.signals.as_ref().and_then(|signals| signals.transmitter(signal));
+                if let Some(transmitter) = known.filter(|_| signal.fault().is_none()) {
+                    self.waiting.push(Aiding::Signal { time, transmitter, rssi_dbm }, report);
                 }
             }
             Observation::Fix(fix) if fix.fault().is_none() => self.waiting.push(Aiding::Fix(*fix), report),
@@ -260,6 +276,7 @@ impl Follower {
         sigmas[BAROMETER] = ANY_HEIGHT_M;
         sigmas[COMMON] = self.params.common_offset_sigma_m;
         sigmas[CLOCK] = self.params.clock_sigma_s;
+        sigmas[HEARING] = self.params.hearing_sigma_db;
         let mut state = State::new(&sigmas.component_mul(&sigmas));
         state.spread(&place_m2);
         let heading = self.reckoned.as_ref().map_or(0.0, |now| now.covariance[(8, 8)]);
@@ -328,10 +345,18 @@ impl Follower {
                 let links: Vec<Link> = epoch.ranges.iter().filter_map(|range| listener.link(range)).collect();
                 self.hold_ranges(carrier, epoch.time(), &links, &back, report);
             }
+            Aiding::Signal { time, transmitter, rssi_dbm } => {
+                self.hold_signal(*time, *transmitter, *rssi_dbm, &back, report);
+            }
+            // Once there is a place each signal is held against it by itself.
+            Aiding::Radio(_) if self.placed && self.signals.is_some() => {}
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
-                let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);
-                self.hold_fix(carrier, &weighed.unwrap_or(*fix), &back, report);
+                let belief = self.belief[fix.source as usize];
+                let fix = PositionFix { covariance_m2: fix.covariance_m2 * belief, ..*fix };
+                self.learn(&fix, &back, belief);
+                let weighed = self.radio.as_mut().map(|radio| radio.weigh(&fix, &way_m).0);
+                self.hold_fix(carrier, &weighed.unwrap_or(fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
             Aiding::Height { height_m, .. } => {
@@ -347,6 +372,48 @@ impl Follower {
                 self.hold_fix(carrier, &fix, &back, report);
             }
         }
+    }
+
+    /// A signal strength.
+    fn hold_signal(
+        &mut self,
+        time: Time,
+        transmitter: usize,
+        rssi_dbm: f64,
+        back: &Back,
+        report: &mut FusedReport,
+    ) {
+        let way_m = self.trail.at(time).unwrap_or_default();
+        let (Some(signals), Some(state)) = (&mut self.signals, self.bank.best()) else { return };
+        let Some(expected) = signals.expect(transmitter, time, &way_m) else { return };
+        let (emitter, sigma_db, new_db) = (expected.emitter, expected.sigma_db, expected.new_db);
+        let seen = state.see_signal(&emitter, (rssi_dbm, sigma_db), &back.way_m);
+        let of_place = (seen.jacobian * state.covariance * seen.jacobian.transpose())[(0, 0)]
+            + seen.noise[(0, 0)]
+            - sigma_db * sigma_db;
+        signals.learn((transmitter, time, way_m), &expected, seen.residual[0], of_place);
+        let bound = self.params.nis_bound;
+        let taken =
+            self.bank.take(|state| state.see_signal(&emitter, (rssi_dbm, new_db), &back.way_m), bound);
+        if let Some(taken) = taken {
+            report.note(taken.nis, 1, taken.widened);
+            self.held_until = self.held_until.max(Some(time + FIX_HOLD));
+        }
+    }
+
+    /// How much better or worse than they tell positions by radio are, from how they agree with where the walker was expected:
+    /// a running mean of `(ν² − H P Hᵀ)/R` (Mehra 1972).
+    fn learn(&mut self, fix: &PositionFix, back: &Back, belief: f64) {
+        let Some(state) = self.bank.best().filter(|_| self.placed) else { return };
+        let seen = state.see_place(&fix.level_m, &fix.covariance_m2, &back.way_m);
+        let expected_m2 = state.position_covariance_m2();
+        let known_m2 = expected_m2[(0, 0)] + expected_m2[(1, 1)];
+        let told_m2 = fix.covariance_m2.trace();
+        let off_m2 = seen.residual.norm_squared().min(MOST_OFF * told_m2);
+        let shown = belief * (off_m2 - known_m2).max(0.0) / told_m2;
+        let kept = 1.0 - 1.0 / BELIEF_FIXES;
+        let next = kept * belief + (1.0 - kept) * shown;
+        self.belief[fix.source as usize] = next.clamp(BELIEF_LEAST, BELIEF_MOST);
     }
 
     /// A position on the level.
