@@ -1,3 +1,5 @@
 //! Where somebody is, by dead reckoning of any kind and whatever else is at hand: hypotheses, each an error-state filter.
 
+pub mod bank;
+pub mod roadways;
 pub mod state;

@@ -334,6 +334,29 @@ impl State {
         self.common_m += correction[COMMON];
     }
 
+    /// The two moments of a mixture of this state and another, which has this share of it.
+    pub fn join(&mut self, other: &Self, share: f64) {
+        let p = &self.covariance;
+        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
+        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
+        let of_turn =
+            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
+        let apart_m = other.position_m - self.position_m;
+        let mut apart = Vector::zeros();
+        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
+        apart[TURN] = of_turn;
+        apart[HEADING] = turned - of_turn;
+        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
+        apart[FACTOR] = other.factor - self.factor;
+        apart[BAROMETER] = other.barometer_m - self.barometer_m;
+        apart[COMMON] = other.common_m - self.common_m;
+        self.covariance = self.covariance * (1.0 - share)
+            + other.covariance * share
+            + apart * apart.transpose() * (share * (1.0 - share));
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(apart * share));
+    }
+
     /// Nothing is known of a state but this variance: its error is that of nothing else.
     pub fn forget(&mut self, index: usize, variance: f64) {
         self.covariance.row_mut(index).fill(0.0);
