@@ -44,6 +44,8 @@ const OFF_COST: f64 = 4.0;
 const CHAMBER_COST: f64 = 2.0;
 /// Walls of chambers are known by this, m.
 const WALL_M: f64 = 0.5;
+/// Share of the variance across a roadway that is a side that somebody keeps to, and of that of the tag's height that is the wearer's own.
+const KEPT: f64 = 0.5;
 /// At corners people leave the centre line by this more, m.
 const CORNER_M: f64 = 1.0;
 
@@ -85,12 +87,11 @@ impl Hypothesis {
                     let wall = room.wall(&here);
                     let outward = (here - wall) / (here - wall).norm().max(f64::MIN_POSITIVE);
                     let (point, direction) = (wall.push(0.0), outward.push(0.0));
-                    held.add(self.measure((&point, &direction), 0.0, WALL_M, rate));
+                    held.add(self.measure((&point, &direction), (0.0, WALL_M), rate));
                 }
                 held.add(self.measure(
                     (&Vector3::new(0.0, 0.0, room.floor_m), &Vector3::z()),
-                    params.tag_height_m,
-                    params.tag_height_sigma_m,
+                    (params.tag_height_m, params.tag_height_sigma_m),
                     rate,
                 ));
                 held
@@ -127,13 +128,12 @@ impl Hypothesis {
         let mut held = Held::default();
         let left = piece.left().push(0.0);
         let across_m = piece.half_width_m / libm::sqrt(3.0);
-        held.add(self.measure((piece.start_m(), &left), 0.0, across_m, rate));
+        held.add(self.measure((piece.start_m(), &left), (0.0, across_m), rate));
         // The floor rises with the way: n = (−rise t, 1).
         let slope = (piece.direction * -piece.rise).push(1.0);
         held.add(self.measure(
             (piece.start_m(), &slope),
-            params.tag_height_m,
-            params.tag_height_sigma_m,
+            (params.tag_height_m, params.tag_height_sigma_m),
             rate,
         ));
         // A face, or the far wall of the roadway that this one ends in.
@@ -143,32 +143,36 @@ impl Hypothesis {
             if beyond_m > room_m {
                 let point = piece.at(if end == 0 { 0.0 } else { piece.length_m });
                 let away = -piece.away_from(end).push(0.0);
-                held.add(self.measure((&point, &away), room_m, across_m, rate));
+                held.add(self.measure((&point, &away), (room_m, across_m), rate));
             }
         }
         held
     }
 
     /// Takes that it lies `value_m` from a point in a direction, by `sigma_m` and that only every so often.
+    ///
+    /// A share of that spread stays with somebody: the side they keep to, the height of their tag. No repetition averages it out, so the noise grows without bound as what is
+    /// known comes near it: `R (hᵀPh)/(hᵀPh − s σ²)`.
     fn measure(
         &mut self,
         line: (&Vector3<f64>, &Vector3<f64>),
-        value_m: f64,
-        sigma_m: f64,
+        (value_m, sigma_m): (f64, f64),
         rate: f64,
     ) -> Held {
-        let weak_m = sigma_m / libm::sqrt(rate);
-        let seen = self.state.see_along(line, (value_m, weak_m), &Vector3::zeros());
+        let (sigma_m2, weak_m2) = (sigma_m * sigma_m, sigma_m * sigma_m / rate);
         let p = self.state.position_covariance_m2();
         let known_m2 = line.1.dot(&(p * line.1)).max(0.0);
-        let (off_m2, weak_m2) = (seen.residual[0] * seen.residual[0], weak_m * weak_m);
-        let spread = 1.0 + known_m2 / weak_m2;
-        if self.state.take(&seen, BOUND).is_none() {
+        let told = 1.0 - KEPT * sigma_m2 / known_m2;
+        let weaker_m = libm::sqrt(weak_m2 / told.max(f64::EPSILON));
+        let seen = self.state.see_along(line, (value_m, weaker_m), &Vector3::zeros());
+        let off_m2 = seen.residual[0] * seen.residual[0];
+        if told > 0.0 && self.state.take(&seen, BOUND).is_none() {
             return Held::default();
         }
+        let spread = 1.0 + known_m2 / weak_m2;
         Held {
             log_likelihood: -0.5 * off_m2 / (weak_m2 * spread) - 0.5 * libm::log(spread),
-            strain: off_m2 / (sigma_m * sigma_m + known_m2),
+            strain: off_m2 / (sigma_m2 + known_m2),
         }
     }
 
@@ -185,9 +189,9 @@ impl Hypothesis {
         child.place = Place::Piece(index);
         let left = piece.left().push(0.0);
         let slope = (piece.direction * -piece.rise).push(1.0);
-        let lateral = child.measure((piece.start_m(), &left), 0.0, across_m, 1.0);
+        let lateral = child.measure((piece.start_m(), &left), (0.0, across_m), 1.0);
         let height =
-            child.measure((piece.start_m(), &slope), params.tag_height_m, params.tag_height_sigma_m, 1.0);
+            child.measure((piece.start_m(), &slope), (params.tag_height_m, params.tag_height_sigma_m), 1.0);
         (height.strain < DEFORMED * DEFORMED).then(|| {
             child.log_weight += lateral.log_likelihood + height.log_likelihood;
             child.strain = lateral.strain.max(height.strain);
@@ -210,10 +214,10 @@ impl Hypothesis {
                 return None;
             }
             let wall = room.wall(&here).push(0.0);
-            let inside = child.measure((&wall, &outward.push(0.0)), 0.0, WALL_M, 1.0);
+            let inside = child.measure((&wall, &outward.push(0.0)), (0.0, WALL_M), 1.0);
             child.log_weight += inside.log_likelihood;
         }
-        let height = child.measure(floor, params.tag_height_m, params.tag_height_sigma_m, 1.0);
+        let height = child.measure(floor, (params.tag_height_m, params.tag_height_sigma_m), 1.0);
         (height.strain < DEFORMED * DEFORMED).then(|| {
             child.log_weight += height.log_likelihood;
             child
