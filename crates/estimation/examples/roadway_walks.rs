@@ -35,10 +35,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mine, _) = adit_mine::file::open(Path::new(&file))?;
     let roadways = Arc::new(Roadways::new(&mine));
     println!("{} pieces, {} bytes", roadways.pieces(), roadways.bytes());
-    for (name, carrier) in [("foot", Carrier::foot()), ("waist", Carrier::waist())] {
+    let turning = Walker::default();
+    let steady = Walker { goes_on: 0.85, ..turning };
+    let only = std::env::args().nth(3);
+    let cases = [
+        ("foot", Carrier::foot(), turning),
+        ("foot, long straights", Carrier::foot(), steady),
+        ("poor foot", Carrier::poor_foot(), turning),
+        ("poor foot, long straights", Carrier::poor_foot(), steady),
+        ("waist", Carrier::waist(), turning),
+        ("waist, long straights", Carrier::waist(), steady),
+        ("poor waist", Carrier::poor_waist(), turning),
+        ("poor waist, long straights", Carrier::poor_waist(), steady),
+    ];
+    for (name, carrier, walker) in
+        cases.into_iter().filter(|case| only.as_deref().is_none_or(|only| case.0 == only))
+    {
         for (map, known) in [("map", Some(Arc::clone(&roadways))), ("none", None)] {
             let mut runs: Vec<Run> =
-                (1..=seeds).map(|seed| run(&mine, known.clone(), &carrier, seed)).collect();
+                (1..=seeds).map(|seed| run(&mine, known.clone(), &carrier, &walker, seed)).collect();
             let count = runs.len() as f64;
             let mean = |of: fn(&Run) -> f64| runs.iter().map(of).sum::<f64>() / count;
             println!(
@@ -91,13 +106,12 @@ fn start_node(mine: &Mine, draw: &mut Draw) -> NodeId {
     }
 }
 
-fn run(mine: &Mine, roadways: Option<Arc<Roadways>>, carrier: &Carrier, seed: u64) -> Run {
+fn run(mine: &Mine, roadways: Option<Arc<Roadways>>, carrier: &Carrier, walker: &Walker, seed: u64) -> Run {
     let mut draw = Draw::new(seed);
-    let walker = Walker::default();
     let node = start_node(mine, &mut draw);
-    let route = random_route(mine, &mut draw, &walker, node, 30.0 * 60.0 * walker.speed_m_s);
-    let way = places(&route, &walker, &mut draw);
-    let reckoned = reckon(&way, &walker, carrier, &mut draw);
+    let route = random_route(mine, &mut draw, walker, node, 30.0 * 60.0 * walker.speed_m_s);
+    let way = places(&route, walker, &mut draw);
+    let reckoned = reckon(&way, walker, carrier, &mut draw);
     let params = BankParams {
         tag_height_m: carrier.tag_height_m,
         level_way: !carrier.climbs,
@@ -142,7 +156,7 @@ fn run(mine: &Mine, roadways: Option<Arc<Roadways>>, carrier: &Carrier, seed: u6
             (_, None) => true,
         };
         wrong += usize::from(!right);
-        if debug && (judged % 5 == 0 || !right) {
+        if debug && (judged % 5 == 0 || !right || bank.hypotheses().len() > 1) {
             println!(
                 "{:6.0} m: error {:6.1} of {:6.1}, truth {:.0} {:.0} {:.0}, at {:.0} {:.0} {:.0} {:?} {:.2} of {} {}",
                 walked_m,
@@ -157,7 +171,27 @@ fn run(mine: &Mine, roadways: Option<Arc<Roadways>>, carrier: &Carrier, seed: u6
                 estimate.place,
                 estimate.share,
                 estimate.hypotheses,
-                if estimate.lost { "lost" } else { "" }
+                if estimate.lost {
+                    "lost".into()
+                } else {
+                    bank.hypotheses()
+                        .iter()
+                        .map(|h| {
+                            format!(
+                                "{:?} {:.0} {:.0} w{:.2} f{:.2}±{:.2} t{:.0}±{:.0} s{:.1};",
+                                h.place,
+                                h.state.position_m.x,
+                                h.state.position_m.y,
+                                h.weight(),
+                                h.state.factor,
+                                h.state.covariance[(6, 6)].sqrt(),
+                                h.state.turn_rad.to_degrees(),
+                                h.state.direction_rad2().sqrt().to_degrees(),
+                                h.strain
+                            )
+                        })
+                        .collect::<String>()
+                }
             );
         }
     }

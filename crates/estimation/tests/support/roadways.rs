@@ -27,13 +27,22 @@ pub struct Walker {
     pub wander_m: f64,
     /// Chance to turn back in a roadway instead of going on.
     pub turns_back: f64,
+    /// Chance to go straight on at a junction whatever else there is.
+    pub goes_on: f64,
     /// Seconds between two places.
     pub interval_s: f64,
 }
 
 impl Default for Walker {
     fn default() -> Self {
-        Self { speed_m_s: 1.3, keep_right_m: 0.8, wander_m: 0.3, turns_back: 0.05, interval_s: 0.5 }
+        Self {
+            speed_m_s: 1.3,
+            keep_right_m: 0.8,
+            wander_m: 0.3,
+            turns_back: 0.05,
+            goes_on: 0.0,
+            interval_s: 0.5,
+        }
     }
 }
 
@@ -72,6 +81,27 @@ impl Carrier {
             start_m: 0.5,
             start_heading_rad: 2.0 * DEGREE,
             tag_height_m: 0.1,
+        }
+    }
+
+    /// One that drifts and has a scale error.
+    pub fn poor_foot() -> Self {
+        Self {
+            drift_rad_s: DEGREE / 60.0,
+            heading_walk_rad_sqrt_s: DEGREE / 60.0_f64.sqrt(),
+            factor: 0.03,
+            ..Self::foot()
+        }
+    }
+
+    /// Somebody of unknown step length with a poor gyro.
+    pub fn poor_waist() -> Self {
+        Self {
+            drift_rad_s: 2.0 * DEGREE / 60.0,
+            heading_walk_rad_sqrt_s: 4.0 * DEGREE / 60.0_f64.sqrt(),
+            factor: 0.10,
+            factor_walk_sqrt_m: 0.003,
+            ..Self::waist()
         }
     }
 
@@ -137,7 +167,13 @@ pub fn random_route(
         let ways: Vec<EdgeId> = network.edges_at(node).into_iter().filter(|e| walkable(mine, *e)).collect();
         let onward: Vec<EdgeId> = ways.iter().copied().filter(|e| Some(*e) != last).collect();
         let choice = if onward.is_empty() { &ways } else { &onward };
-        let id = choice[draw.below(choice.len())];
+        let mut id = choice[draw.below(choice.len())];
+        if draw.share() < walker.goes_on
+            && let Some(last) = last
+            && let Some(ahead) = straightest(mine, node, last, &onward)
+        {
+            id = ahead;
+        }
         let edge = network.edge(id).unwrap();
         let half_m = 0.5 * mine.plan().roadways[edge.roadway].width_m;
         let mut points: Vec<Vector3<f64>> = edge.points_m().map(|p| *p.raw()).collect();
@@ -166,6 +202,21 @@ pub fn random_route(
         route.extend(leg.into_iter().map(|p| (p, half_m)));
     }
     route
+}
+
+/// The way that leads on most nearly straight, where one does within 35°.
+fn straightest(mine: &Mine, node: NodeId, last: EdgeId, ways: &[EdgeId]) -> Option<EdgeId> {
+    let network = mine.network();
+    let away = |id: EdgeId| {
+        let edge = network.edge(id).unwrap();
+        let forwards = edge.from == node;
+        let run =
+            if forwards { *edge.direction_at(0.0).raw() } else { -*edge.direction_at(edge.length_m()).raw() };
+        run.xy().normalize()
+    };
+    let ahead = -away(last);
+    let best = ways.iter().max_by(|a, b| ahead.dot(&away(**a)).total_cmp(&ahead.dot(&away(**b))))?;
+    (ahead.dot(&away(*best)) > 0.82).then_some(*best)
 }
 
 fn cut(points: &[Vector3<f64>], end_m: f64) -> Vec<Vector3<f64>> {

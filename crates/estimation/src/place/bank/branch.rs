@@ -106,9 +106,11 @@ impl Bank {
     pub(super) fn branch(&mut self, roadways: &Roadways) {
         let mut index = 0;
         let before = self.hypotheses.len();
-        while index < before.min(self.hypotheses.len()) {
-            let hypothesis = &self.hypotheses[index];
-            if hypothesis.log_weight > BRANCHES {
+        let straight = self.is_straight();
+        while index < before {
+            let hypothesis = &mut self.hypotheses[index];
+            hypothesis.elsewhere = false;
+            if straight && hypothesis.log_weight > BRANCHES {
                 match hypothesis.place {
                     Place::Piece(piece) => self.branch_off_piece(roadways, index, piece),
                     Place::Chamber(chamber) => self.leave_chamber(roadways, index, chamber),
@@ -123,7 +125,7 @@ impl Bank {
     fn branch_off_piece(&mut self, roadways: &Roadways, from: usize, on: u32) {
         let hypothesis = &self.hypotheses[from];
         let Some(piece) = roadways.piece(on) else { return };
-        let Some(way) = self.recent_direction(&hypothesis.state) else { return };
+        let way = self.recent_direction(&hypothesis.state);
         let off_rad = angle(&way, &piece.direction);
         let sigma_rad = libm::sqrt(hypothesis.state.direction_rad2().max(0.0));
         let away_rad = (AWAY_RAD + 2.0 * sigma_rad).clamp(AWAY_BOUNDS_RAD.0, AWAY_BOUNDS_RAD.1);
@@ -153,6 +155,7 @@ impl Bank {
             let on = other.on(&child.state.position_m.xy());
             let room_m = other.half_width_m + RECENT_M + child.sigma_m(&other.direction);
             if (-room_m..=other.length_m + room_m).contains(&on.along_m) {
+                self.hypotheses[from].elsewhere |= turned;
                 self.admit(roadways, child);
             }
         }
@@ -160,6 +163,7 @@ impl Bank {
             for chamber in roadways.beside(on) {
                 if let Some(mut child) = self.hypotheses[from].in_chamber(chamber, roadways, &self.params) {
                     child.log_weight += STEPPED;
+                    self.hypotheses[from].elsewhere = true;
                     self.admit(roadways, child);
                 }
             }
@@ -200,6 +204,7 @@ impl Bank {
             log_weight,
             strain: 1.0,
             surprise: 1.0,
+            elsewhere: false,
             state: state.clone(),
         };
         let here = state.position_m.xy();

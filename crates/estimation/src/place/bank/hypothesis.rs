@@ -30,6 +30,8 @@ pub struct Hypothesis {
     pub strain: f64,
     /// The same of the measurements taken.
     pub surprise: f64,
+    /// The way of the last metres leads across its roadway, and along another that it may be on instead.
+    pub(super) elsewhere: bool,
     /// State and covariance.
     pub state: State,
 }
@@ -70,7 +72,10 @@ impl Hypothesis {
 
     /// Holds it to its place after `walked_m`. What one look says weighs as much as `walked_m / 2λ` independent ones would, λ the length over which somebody's place across
     /// the roadway is forgotten: sums over a way then have the variance of the mean of a correlated sequence.
-    pub(super) fn hold(&mut self, roadways: &Roadways, params: &BankParams, walked_m: f64) {
+    ///
+    /// Where the way bends or leads elsewhere the place is only judged: a branch must not inherit that its parent was held to another roadway.
+    pub(super) fn hold(&mut self, roadways: &Roadways, params: &BankParams, walked_m: f64, straight: bool) {
+        let before = (!straight || self.elsewhere).then(|| self.state.clone());
         let rate = (0.5 * walked_m / params.forgotten_m).min(1.0);
         let held = match self.place {
             Place::Piece(_) => {
@@ -98,6 +103,9 @@ impl Hypothesis {
             }
             Place::Off => Held { log_likelihood: -0.5 * OFF_COST * rate, strain: 0.0 },
         };
+        if let Some(before) = before {
+            self.state = before;
+        }
         self.log_weight += held.log_likelihood;
         let share = (walked_m / params.forgotten_m).min(1.0);
         self.strain += (held.strain - self.strain) * share;

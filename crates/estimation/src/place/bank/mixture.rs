@@ -106,6 +106,7 @@ impl Bank {
                     + OFF_SHARE,
                 strain: 1.0,
                 surprise: 1.0,
+                elsewhere: false,
                 state,
             };
             self.insert(off);
@@ -116,6 +117,7 @@ impl Bank {
     /// Lets a hypothesis in, unless there is one like it that is as likely.
     pub(super) fn admit(&mut self, roadways: &Roadways, mut child: Hypothesis) {
         child.strain = 1.0;
+        child.elsewhere = false;
         if let Some(known) = self.hypotheses.iter_mut().find(|known| known.is_like(&child, roadways)) {
             if child.log_weight > known.log_weight {
                 child.id = known.id;

@@ -162,10 +162,13 @@ impl Bank {
     pub fn walk(&mut self, stretch: &Stretch) {
         let roadways = self.roadways.as_deref();
         for hypothesis in &mut self.hypotheses {
-            let walked = hypothesis.state.walk(stretch);
+            let piece = match (hypothesis.place, roadways) {
+                (Place::Piece(index), Some(roadways)) => roadways.piece(index),
+                _ => None,
+            };
+            let walked = hypothesis.state.walk_along(stretch, piece.map(|piece| &piece.direction));
             if self.params.level_way
-                && let (Place::Piece(index), Some(roadways)) = (hypothesis.place, roadways)
-                && let Some(piece) = roadways.piece(index)
+                && let Some(piece) = piece
             {
                 hypothesis.state.position_m.z += piece.rise * piece.direction.dot(&walked.xy());
             }
@@ -235,10 +238,11 @@ impl Bank {
         self.since_m = Vector2::zeros();
         self.looks = self.looks.wrapping_add(1);
         self.reopened_m += walked_m;
-        for hypothesis in &mut self.hypotheses {
-            hypothesis.hold(roadways, &self.params, walked_m);
-        }
         self.branch(roadways);
+        let straight = self.is_straight();
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.hold(roadways, &self.params, walked_m, straight);
+        }
         if self.looks.is_multiple_of(MERGE_EVERY) {
             self.merge(roadways);
         }
@@ -252,13 +256,15 @@ impl Bank {
         }
     }
 
-    /// The direction of the last metres as a hypothesis has it, where they were straight enough to have one.
-    fn recent_direction(&self, state: &State) -> Option<Vector2<f64>> {
+    /// The way of the last metres had one direction.
+    fn is_straight(&self) -> bool {
         let length_m = self.recent_m.norm();
-        if self.recent_length_m < 0.6 * RECENT_M || length_m < STRAIGHT * self.recent_length_m {
-            return None;
-        }
-        Some(state.on_map(&Vector3::new(self.recent_m.x, self.recent_m.y, 0.0)).xy().normalize())
+        self.recent_length_m > 0.6 * RECENT_M && length_m > STRAIGHT * self.recent_length_m
+    }
+
+    /// That direction as a hypothesis has it.
+    fn recent_direction(&self, state: &State) -> Vector2<f64> {
+        state.on_map(&Vector3::new(self.recent_m.x, self.recent_m.y, 0.0)).xy().normalize()
     }
 }
 
