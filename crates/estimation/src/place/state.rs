@@ -41,6 +41,8 @@ pub const COMMON: usize = 8;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
+/// Standard deviations from which the tail of the normal distribution is its first terms: to 1 % there.
+const FAR: f64 = 10.0;
 /// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
 const ALONG: f64 = 0.707;
 /// Nearer to an anchor than this, m, a range has no direction any more.
@@ -331,6 +333,36 @@ impl State {
         symmetrise(&mut self.covariance);
         self.feed_back(&(gain * seen.residual));
         Some(Taken { nis, log_likelihood, widened })
+    }
+
+    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
+    /// (Simon & Simon 2010, eq. 25–27, for one bound). Gives how many standard deviations the mean lay beyond it and the logarithm of the probability of being within; `None` when nothing is
+    /// known of it.
+    pub fn keep_within(
+        &mut self,
+        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
+        limit_m: f64,
+    ) -> Option<(f64, f64)> {
+        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
+        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
+        let sigma = libm::sqrt(variance);
+        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
+        let within = 0.5 * libm::erfc(beyond * core::f64::consts::FRAC_1_SQRT_2);
+        if !(variance > 0.0) {
+            return None;
+        }
+        // λ = φ/Φ; far out both vanish, and λ → x + 1/x.
+        let density = libm::exp(-0.5 * beyond * beyond) * 0.398_942_280_401_432_7;
+        let (ratio, log_within) = if beyond < FAR {
+            (density / within, libm::log(within))
+        } else {
+            (beyond + 1.0 / beyond, -0.5 * beyond * beyond - libm::log(beyond) - 0.918_938_533_204_672_8)
+        };
+        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
+        self.covariance -= cross * cross.transpose() * (lost / variance);
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(cross * (-ratio / sigma)));
+        Some((beyond, log_within))
     }
 
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.

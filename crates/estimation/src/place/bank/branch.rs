@@ -131,6 +131,8 @@ impl Bank {
         let away_rad = (AWAY_RAD + 2.0 * sigma_rad).clamp(AWAY_BOUNDS_RAD.0, AWAY_BOUNDS_RAD.1);
         let along_m = piece.on(&hypothesis.state.position_m.xy()).along_m;
         let turned = off_rad > away_rad;
+        // No error of the heading makes that.
+        let across = off_rad > AWAY_RAD + DEFORMED * sigma_rad;
         // Where both ways fit they part at the joint itself.
         let reach_m = if turned {
             RECENT_M + 2.0 * piece.half_width_m + DEFORMED * hypothesis.sigma_m(&piece.direction)
@@ -141,6 +143,7 @@ impl Bank {
         if !turned && !near_joint {
             return;
         }
+        self.hypotheses[from].elsewhere = turned && across;
         let search = Search::new(roadways, on, along_m, reach_m);
         let limit_rad = if turned { ALONG_RAD.min(off_rad - BETTER_RAD) } else { ALONG_RAD };
         for index in search.pieces().filter(|index| *index != on) {

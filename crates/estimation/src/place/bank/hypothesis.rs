@@ -1,6 +1,6 @@
 //! One hypothesis: a state, and the piece of roadway, or the chamber, that it is held to.
 
-use super::{BankParams, DEFORMED};
+use super::{BankParams, CONTRADICTED, DEFORMED};
 use crate::place::roadways::{Piece, Roadways};
 use crate::place::state::{EAST, State, UP};
 use adit_core::nalgebra::{Vector2, Vector3};
@@ -151,7 +151,9 @@ impl Hypothesis {
             if beyond_m > room_m {
                 let point = piece.at(if end == 0 { 0.0 } else { piece.length_m });
                 let away = -piece.away_from(end).push(0.0);
-                held.add(self.measure((&point, &away), (room_m, across_m), rate));
+                if let Some((beyond, log_within)) = self.state.keep_within((&point, &away), room_m) {
+                    held.add(Held { log_likelihood: log_within, strain: beyond * beyond });
+                }
             }
         }
         held
@@ -174,14 +176,13 @@ impl Hypothesis {
         let weaker_m = libm::sqrt(weak_m2 / told.max(f64::EPSILON));
         let seen = self.state.see_along(line, (value_m, weaker_m), &Vector3::zeros());
         let off_m2 = seen.residual[0] * seen.residual[0];
-        if told > 0.0 && self.state.take(&seen, BOUND).is_none() {
+        let strain = off_m2 / (sigma_m2 + known_m2);
+        // What cannot be is no reason to correct anything.
+        if told > 0.0 && strain < CONTRADICTED && self.state.take(&seen, BOUND).is_none() {
             return Held::default();
         }
         let spread = 1.0 + known_m2 / weak_m2;
-        Held {
-            log_likelihood: -0.5 * off_m2 / (weak_m2 * spread) - 0.5 * libm::log(spread),
-            strain: off_m2 / (sigma_m2 + known_m2),
-        }
+        Held { log_likelihood: -0.5 * off_m2 / (weak_m2 * spread) - 0.5 * libm::log(spread), strain }
     }
 
     /// The same hypothesis on another piece, if it can be there: conditioned on lying within its width, with the probability of that. Its strain is how badly it fits.

@@ -23,7 +23,7 @@ pub use hypothesis::{Hypothesis, Place};
 pub use mixture::Estimate;
 
 use super::roadways::Roadways;
-use super::state::{EAST, HEADING, NORTH, Seen, State, Stretch, Taken, UP};
+use super::state::{EAST, FACTOR, HEADING, NORTH, Seen, State, Stretch, Taken, UP};
 use adit_core::nalgebra::{Vector2, Vector3};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -46,6 +46,10 @@ const SURPRISE: f64 = 16.0;
 const NEWEST: f64 = 0.1;
 /// What is added when all are contradicted: on the level, m; upwards, m; to the direction, rad.
 const REOPENED: (f64, f64, f64) = (10.0, 2.0, 0.2);
+/// After a way as long as this without contradiction a bank that was opened again is as good as any, m; before, it is opened twice as wide each time.
+const TRUSTED_M: f64 = 200.0;
+/// Most doublings.
+const WIDER: u32 = 6;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
 const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.5);
 
@@ -92,8 +96,11 @@ pub struct Bank {
     next_id: u32,
     reported: Option<Reported>,
     lost: bool,
-    /// Way since it was opened again, m.
+    /// Way since it was opened again, m, and how often that was on one way.
     reopened_m: f64,
+    reopened: u32,
+    /// Factor and its variance at the start: what is learnt on a wrong roadway is wrong.
+    factor: (f64, f64),
 }
 
 impl Bank {
@@ -110,7 +117,9 @@ impl Bank {
             next_id: 0,
             reported: None,
             lost: false,
-            reopened_m: f64::INFINITY,
+            reopened_m: f64::MAX,
+            reopened: 0,
+            factor: (1.0, 0.0),
         };
         bank.hypotheses.reserve_exact(bank.room());
         bank
@@ -142,7 +151,9 @@ impl Bank {
     pub fn start(&mut self, state: State) {
         self.reported = None;
         self.lost = false;
-        self.reopened_m = f64::INFINITY;
+        self.reopened_m = f64::MAX;
+        self.reopened = 0;
+        self.factor = (state.factor, state.covariance[(FACTOR, FACTOR)]);
         self.open(state);
     }
 
@@ -152,6 +163,11 @@ impl Bank {
         let p = &mut state.covariance;
         for (index, sigma) in [(EAST, level_m), (NORTH, level_m), (UP, up_m), (HEADING, direction_rad)] {
             p[(index, index)] += sigma * sigma;
+        }
+        let (factor, variance) = self.factor;
+        if variance > p[(FACTOR, FACTOR)] {
+            state.forget(FACTOR, variance);
+            state.factor = factor;
         }
         self.lost = true;
         self.reopened_m = 0.0;
@@ -238,6 +254,9 @@ impl Bank {
         self.since_m = Vector2::zeros();
         self.looks = self.looks.wrapping_add(1);
         self.reopened_m += walked_m;
+        if self.reopened_m > TRUSTED_M {
+            self.reopened = 0;
+        }
         self.branch(roadways);
         let straight = self.is_straight();
         for hypothesis in &mut self.hypotheses {
@@ -252,7 +271,9 @@ impl Bank {
         self.lost = off || self.reopened_m < 2.0 * self.params.forgotten_m;
         let mut held = self.hypotheses.iter().filter(on_map).peekable();
         if held.peek().is_some() && held.all(|hypothesis| hypothesis.strain > CONTRADICTED) {
-            self.reopen(REOPENED.0, REOPENED.1, REOPENED.2);
+            let wider = f64::from(1_u32 << self.reopened.min(WIDER));
+            self.reopen(REOPENED.0 * wider, REOPENED.1, REOPENED.2);
+            self.reopened += 1;
         }
     }
 
