@@ -48,6 +48,10 @@ pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
+/// Standard deviations from which the tail of the normal distribution is its first terms: to 1 % there.
+const FAR: f64 = 10.0;
+/// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
+const ALONG: f64 = 0.707;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
@@ -189,9 +193,25 @@ impl State {
 
     /// Moves along a stretch; gives the displacement, m.
     pub fn walk(&mut self, stretch: &Stretch) -> Vector3<f64> {
+        self.walk_along(stretch, None)
+    }
+
+    /// The same of somebody on a roadway in this direction (unit vector, either sense): the covariance is that of a way along it.
+    ///
+    /// Taken at the estimated direction, an error of the heading would make the length of the way seem to be seen across the roadway; and always too short, for what zigzags
+    /// fits better when it shrinks (an inconsistent linearisation as in Huang, Mourikis & Roumeliotis 2010).
+    pub fn walk_along(&mut self, stretch: &Stretch, roadway: Option<&Vector2<f64>>) -> Vector3<f64> {
         let walked = self.on_map(&stretch.way_m);
         self.position_m += walked;
-        let (turned, stretched) = (Vector2::new(walked.y, -walked.x), walked.xy() / self.factor);
+        let length_m = walked.xy().norm();
+        let on_roadway = roadway.map(|direction| (direction, direction.dot(&walked.xy())));
+        let level = match on_roadway {
+            Some((direction, along_m)) if along_m.abs() > ALONG * length_m => {
+                direction * libm::copysign(length_m, along_m)
+            }
+            _ => walked.xy(),
+        };
+        let (turned, stretched) = (Vector2::new(level.y, -level.x), level / self.factor);
         let (dt, kept, drifts) = match stretch.heading {
             HeadingError::Gyro { .. } => (stretch.interval_s, 1.0, 1.0),
             HeadingError::Magnetic { kept, .. } => (0.0, kept, 0.0),
@@ -205,9 +225,8 @@ impl State {
             carried[HEADING] = error[HEADING] * kept + error[DRIFT] * dt;
             carried
         });
-        let length_m = walked.xy().norm();
         if length_m > 0.0 {
-            let (along, across) = (walked.xy() / length_m, turned / length_m);
+            let (along, across) = (level / length_m, turned / length_m);
             let white = along * along.transpose() * stretch.along_m2
                 + across * across.transpose() * stretch.across_m2;
             self.spread(&white);
@@ -373,6 +392,36 @@ impl State {
         Some(Taken { nis, log_likelihood, widened })
     }
 
+    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
+    /// (Simon & Simon 2010, eq. 25–27, for one bound). Gives how many standard deviations the mean lay beyond it and the logarithm of the probability of being within; `None` when nothing is
+    /// known of it.
+    pub fn keep_within(
+        &mut self,
+        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
+        limit_m: f64,
+    ) -> Option<(f64, f64)> {
+        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
+        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
+        let sigma = libm::sqrt(variance);
+        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
+        let within = 0.5 * libm::erfc(beyond * core::f64::consts::FRAC_1_SQRT_2);
+        if !(variance > 0.0) {
+            return None;
+        }
+        // λ = φ/Φ; far out both vanish, and λ → x + 1/x.
+        let density = libm::exp(-0.5 * beyond * beyond) * 0.398_942_280_401_432_7;
+        let (ratio, log_within) = if beyond < FAR {
+            (density / within, libm::log(within))
+        } else {
+            (beyond + 1.0 / beyond, -0.5 * beyond * beyond - libm::log(beyond) - 0.918_938_533_204_672_8)
+        };
+        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
+        self.covariance -= cross * cross.transpose() * (lost / variance);
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(cross * (-ratio / sigma)));
+        Some((beyond, log_within))
+    }
+
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.
     pub fn judge<const M: usize>(&self, seen: &Seen<M>) -> Option<(f64, f64)> {
         let innovation = seen.jacobian * self.covariance * seen.jacobian.transpose() + seen.noise;
@@ -391,6 +440,29 @@ impl State {
         self.common_m += correction[COMMON];
         self.clock_s += correction[CLOCK];
         self.hearing_db += correction[HEARING];
+    }
+
+    /// The two moments of a mixture of this state and another, which has this share of it.
+    pub fn join(&mut self, other: &Self, share: f64) {
+        let p = &self.covariance;
+        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
+        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
+        let of_turn =
+            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
+        let apart_m = other.position_m - self.position_m;
+        let mut apart = Vector::zeros();
+        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
+        apart[TURN] = of_turn;
+        apart[HEADING] = turned - of_turn;
+        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
+        apart[FACTOR] = other.factor - self.factor;
+        apart[BAROMETER] = other.barometer_m - self.barometer_m;
+        apart[COMMON] = other.common_m - self.common_m;
+        self.covariance = self.covariance * (1.0 - share)
+            + other.covariance * share
+            + apart * apart.transpose() * (share * (1.0 - share));
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(apart * share));
     }
 
     /// Nothing is known of a state but this variance: its error is that of nothing else.

@@ -15,8 +15,8 @@ use super::signals::Signals;
 use crate::methods::MethodError;
 use crate::methods::pdr::radio::RadioFixes;
 use crate::methods::pdr::search::{FOUND_RAD, Found, Search, UNKNOWN_RAD};
+use crate::place::bank::{Bank, BankParams, Estimate};
 use crate::place::params::{CarrierNoise, PlaceParams};
-use crate::place::single::Bank;
 use crate::place::state::Back;
 use crate::place::state::{
     BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, HeadingError, NORTH, State, Stretch,
@@ -47,6 +47,10 @@ const BELIEF_FIXES: f64 = 30.0;
 const BELIEF_LEAST: f64 = 0.02;
 const BELIEF_MOST: f64 = 4.0;
 const MOST_OFF: f64 = 9.0;
+/// Height of a tag on a foot above the floor, m.
+const FOOT_M: f64 = 0.1;
+/// A place that proved wrong without another to go to is wrong by about this, m.
+const REOPENED_M: f64 = 10.0;
 /// A height that is known is known to this, m.
 const LEAST_HEIGHT_M: f64 = 0.01;
 /// A solution of a carrier after longer than this is a gap, s.
@@ -73,6 +77,9 @@ pub struct Follower {
     starts_on_map: bool,
     mounted: bool,
     bank: Bank,
+    /// What it said last.
+    #[serde(skip)]
+    estimate: Option<Estimate>,
     placed: bool,
     search: Option<Search>,
     searched: Option<(Time, Vector3<f64>)>,
@@ -99,6 +106,8 @@ pub struct Follower {
     rides: bool,
     pressure_pa: Option<f64>,
     told: Option<Time>,
+    /// The bank has moved since it was asked.
+    moved: bool,
 }
 
 /// Where the bank has come to.
@@ -126,7 +135,8 @@ impl Follower {
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::default(),
+            bank: Bank::new(bank_params(params, carrier), site.and_then(|site| site.roadways.clone())),
+            estimate: None,
             placed: false,
             search: None,
             searched: None,
@@ -150,6 +160,7 @@ impl Follower {
             rides: false,
             pressure_pa: None,
             told: None,
+            moved: false,
         })
     }
 
@@ -240,11 +251,13 @@ impl Follower {
         self.reckoned = Some(now);
         if due || self.walked.is_none_or(|walked| time - walked.time >= TICK) {
             self.walk(carrier);
+            self.moved = true;
         }
         while let Some(aiding) = self.waiting.pop(time) {
             self.hold(carrier, &aiding, report);
+            self.moved = true;
         }
-        self.tell(carrier)
+        self.tell()
     }
 
     /// The first solution of the carrier: by a start it stands on the map.
@@ -384,7 +397,8 @@ impl Follower {
         report: &mut FusedReport,
     ) {
         let way_m = self.trail.at(time).unwrap_or_default();
-        let (Some(signals), Some(state)) = (&mut self.signals, self.bank.best()) else { return };
+        let (Some(signals), Some(best)) = (&mut self.signals, self.bank.best()) else { return };
+        let state = &best.state;
         let Some(expected) = signals.expect(transmitter, time, &way_m) else { return };
         let (emitter, sigma_db, new_db) = (expected.emitter, expected.sigma_db, expected.new_db);
         let seen = state.see_signal(&emitter, (rssi_dbm, sigma_db), &back.way_m);
@@ -404,7 +418,7 @@ impl Follower {
     /// How much better or worse than they tell positions by radio are, from how they agree with where the walker was expected:
     /// a running mean of `(ν² − H P Hᵀ)/R` (Mehra 1972).
     fn learn(&mut self, fix: &PositionFix, back: &Back, belief: f64) {
-        let Some(state) = self.bank.best().filter(|_| self.placed) else { return };
+        let Some(state) = self.bank.best().map(|best| &best.state).filter(|_| self.placed) else { return };
         let seen = state.see_place(&fix.level_m, &fix.covariance_m2, &back.way_m);
         let expected_m2 = state.position_covariance_m2();
         let known_m2 = expected_m2[(0, 0)] + expected_m2[(1, 1)];
@@ -420,7 +434,8 @@ impl Follower {
     fn hold_fix(&mut self, carrier: &Carrier, fix: &PositionFix, back: &Back, report: &mut FusedReport) {
         report.fixes += 1;
         if !self.placed {
-            self.place(carrier, fix.time, &fix.level_m, &fix.covariance_m2, back);
+            let height = fix.height.map(|height| (height.up_m, height.sigma_m * height.sigma_m));
+            self.place(carrier, fix.time, (&fix.level_m, &fix.covariance_m2, height), back);
             return;
         }
         let bound = 2.0 * self.params.nis_bound;
@@ -444,13 +459,8 @@ impl Follower {
         if !self.placed {
             if let Some(fix) = self.position_of(links, None) {
                 let level = fix.covariance_m2.fixed_view::<2, 2>(0, 0).into_owned();
-                self.place(carrier, time, &fix.position_m.xy(), &level, back);
-                if self.placed {
-                    self.bank.change(|state| {
-                        state.position_m.z = fix.position_m.z;
-                        state.forget(UP, fix.covariance_m2[(2, 2)]);
-                    });
-                }
+                let height = Some((fix.position_m.z, fix.covariance_m2[(2, 2)]));
+                self.place(carrier, time, (&fix.position_m.xy(), &level, height), back);
             }
             return;
         }
@@ -489,19 +499,18 @@ impl Follower {
     fn reopen(&mut self, links: &[Link], back: &Back, report: &mut FusedReport) {
         report.reopened += 1;
         let Some(fix) = self.position_of(links, None) else {
-            let spread = Matrix2::identity() * (GAP_SPEED_M_S * GAP_SPEED_M_S * 25.0);
-            self.bank.change(|state| state.spread(&spread));
+            self.bank.reopen(REOPENED_M, REOPENED_M, 0.0);
             return;
         };
-        self.bank.change(|state| {
-            let moved = fix.position_m - state.before(&back.way_m);
-            state.position_m += moved;
-            for axis in [EAST, NORTH, UP] {
-                state.forget(axis, 0.0);
-            }
-            let mut block = state.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
-            block += fix.covariance_m2;
-        });
+        let Some(best) = self.bank.best() else { return };
+        let mut state = best.state.clone();
+        state.position_m += fix.position_m - state.before(&back.way_m);
+        for axis in [EAST, NORTH, UP] {
+            state.forget(axis, 0.0);
+        }
+        let mut block = state.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
+        block += fix.covariance_m2;
+        self.bank.start(state);
     }
 
     /// What a range is uncertain of, m: noise that is of this one alone, and what it has in common with those before it.
@@ -540,8 +549,7 @@ impl Follower {
         &mut self,
         carrier: &Carrier,
         time: Time,
-        level_m: &Vector2<f64>,
-        covariance_m2: &Matrix2<f64>,
+        (level_m, covariance_m2, height): (&Vector2<f64>, &Matrix2<f64>, Option<(f64, f64)>),
         back: &Back,
     ) {
         let Some(now) = &self.reckoned else { return };
@@ -572,7 +580,11 @@ impl Follower {
             return;
         }
         let found = search.found(&now.position_m.xy(), direction_rad2);
-        let state = self.found(carrier, &found);
+        let mut state = self.found(carrier, &found);
+        if let Some((up_m, variance)) = height {
+            state.position_m.z = up_m;
+            state.forget(UP, variance);
+        }
         self.bank.start(state);
         self.search = None;
         self.placed = true;
@@ -602,7 +614,7 @@ impl Follower {
     }
 
     /// Where the walker is now.
-    fn tell(&mut self, carrier: &Carrier) -> Result<Option<Solution>, MethodError> {
+    fn tell(&mut self) -> Result<Option<Solution>, MethodError> {
         let Some(now) = &self.reckoned else { return Ok(None) };
         if self.told.is_some_and(|told| now.time <= told) {
             return Ok(None);
@@ -614,29 +626,49 @@ impl Follower {
             self.told = Some(now.time);
             return Ok(Some(now.clone()));
         }
-        let Some(state) = self.bank.best() else { return Ok(None) };
+        if self.moved {
+            self.moved = false;
+            self.estimate = self.bank.estimate();
+        }
+        let (Some(estimate), Some(best)) = (self.estimate, self.bank.best()) else { return Ok(None) };
+        let state = &best.state;
         if !state.is_finite() {
             return Err(MethodError::Diverged { time: now.time });
         }
         let since_m = self.walked.map_or_else(Vector3::zeros, |walked| now.position_m - walked.way_m);
         let mut solution = now.clone();
-        solution.position_m = state.position_m + state.on_map(&since_m);
+        solution.position_m = estimate.position_m + state.on_map(&since_m);
         solution.velocity_m_s = state.on_map(&now.velocity_m_s);
         solution.attitude = attitude::exp(&(Vector3::z() * -state.turn_rad)) * now.attitude;
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&state.position_covariance_m2());
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&estimate.covariance_m2);
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {
             Quality::Lost => Quality::Lost,
-            _ if solution.radius_95_m() > self.params.lost_m => Quality::Lost,
+            _ if estimate.lost || solution.radius_95_m() > self.params.lost_m => Quality::Lost,
             _ if fresh => Quality::Fixed,
             _ => Quality::DeadReckoning,
         };
         self.told = Some(now.time);
-        let _ = carrier;
         Ok(Some(solution))
+    }
+}
+
+/// How the bank takes this carrier's way, and how high its tag is.
+fn bank_params(params: &FusedParams, carrier: &Carrier) -> BankParams {
+    let PlaceParams { above_floor_m, above_floor_sigma_m, .. } = params.place;
+    match carrier {
+        Carrier::Foot(_) | Carrier::Marg(_) => {
+            BankParams { tag_height_m: FOOT_M, tag_height_sigma_m: FOOT_M, ..BankParams::default() }
+        }
+        Carrier::Steps(_) => BankParams {
+            tag_height_m: above_floor_m,
+            tag_height_sigma_m: above_floor_sigma_m,
+            level_way: true,
+            ..BankParams::default()
+        },
     }
 }
 
