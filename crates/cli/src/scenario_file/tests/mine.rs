@@ -94,7 +94,7 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
             17,
             "unknown variant `hop`, expected one of `walk`, `run`, `crawl`",
         ),
-        ("until_s = 25.0", "until = 25.0", 17, "unexpected keys in table: until, available keys: until_s"),
+        ("until_s = 25.0", "until = 25.0", 17, "unknown field `until`, expected one of `until_s`"),
         ("[\"l300\"]", "[\"l400\"]", 17, "levels is \"l400\", expected the id of a level"),
         ("[\"l300\"]", "[\"surface\"]", 17, "levels is \"surface\", expected levels with places that can"),
         ("reach_m = 90.0", "reach_m = 0.9", 17, "reach_m is 0.9, expected 1 m or more"),
