@@ -46,6 +46,8 @@ struct RunEntry {
     #[serde(default)]
     config: toml::Table,
     config_file: Option<PathBuf>,
+    /// Table of the settings that the file is of, where the method has parts that are methods themselves.
+    config_of: Option<String>,
     #[serde(default = "yes")]
     figures: bool,
     /// Optimiser that tunes it first.
@@ -164,7 +166,7 @@ impl Scenario {
     }
 
     fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey, calibrate, nlos } =
+        let RunEntry { name, method, config, config_file, config_of, figures, tune, survey, calibrate, nlos } =
             entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
@@ -173,6 +175,9 @@ impl Scenario {
                 config::parse(&path, &config::text(&path)?)?
             }
         };
+        if let Some(part) = config_of {
+            settings = toml::Table::from_iter([(part.clone(), toml::Value::Table(settings))]);
+        }
         config::merge(&mut settings, config.clone());
         Ok(Contender {
             name: name.clone().unwrap_or_else(|| method.name().to_owned()),

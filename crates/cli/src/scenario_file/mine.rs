@@ -4,7 +4,7 @@ use super::roadway::told;
 use super::{Kind, Preset, Run, Scenario};
 use adit_estimation::radio::RadioSite;
 use adit_mine::Mine;
-use adit_observation::sidecar::Sidecar;
+use adit_observation::sidecar::{Location, Sidecar};
 use adit_simulation::people::{Belt, PopulationSpec};
 use adit_simulation::pressure::{AirSpec, BarometerModel};
 use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
@@ -165,6 +165,7 @@ impl Scenario {
         let mut sidecar = magnetic.as_ref().map(|(world, _)| super::declination(world)).unwrap_or_default();
         sidecar.rate_hz = Some(imu_hz);
         sidecar.noise = Some(imu.specification());
+        sidecar.mounting.location = Some(entry.tag.mount.location());
 
         let mut ideal: IdealImu = self.imu()?;
         // The Earth turns under every mine whose place on it is known.
@@ -237,6 +238,13 @@ fn latitude_rad(mine: &Mine) -> Option<f64> {
 }
 
 impl MountEntry {
+    fn location(self) -> Location {
+        match self {
+            Self::BeltFront | Self::BeltBack | Self::BeltLeft | Self::BeltRight => Location::Waist,
+            Self::LeftFoot | Self::RightFoot => Location::Foot,
+        }
+    }
+
     fn mount(self) -> Mount {
         match self {
             Self::BeltFront => Mount::Belt(Belt::front()),

@@ -50,6 +50,17 @@ pub struct SiteAnchor {
     pub range_offset_m: f64,
 }
 
+/// A reader of a portal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reader {
+    /// Its id, as in the logs.
+    pub id: String,
+    /// East, north, height of its antenna, m.
+    pub position_m: Vector3<f64>,
+    /// How far it sees, m.
+    pub range_m: f64,
+}
+
 /// What of a calibration is the same for all transmitters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Calibrated {
@@ -112,6 +123,8 @@ pub struct RadioSite {
     pub transmitters: Vec<Transmitter>,
     /// Anchors.
     pub anchors: Vec<SiteAnchor>,
+    /// Readers of portals.
+    pub readers: Vec<Reader>,
     /// Places where people are, east, north, m: along the centre lines of roadways.
     pub spots_m: Vec<Vector2<f64>>,
     /// Those centre lines.
@@ -165,9 +178,15 @@ impl RadioSite {
         let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
         let area = AreaPrior::of(&spots_m, MARGIN_M);
         let reach_m = MARGIN_M.max(0.5 * widest_m);
+        let readers = plan.rfid_portals.iter().map(|portal| Reader {
+            id: portal.id.clone(),
+            position_m: *portal.position_m.raw(),
+            range_m: portal.range_m,
+        });
         Self {
             transmitters,
             anchors,
+            readers: readers.collect(),
             spots_m,
             centre_lines,
             reach_m,
@@ -176,6 +195,11 @@ impl RadioSite {
             surveyed: None,
             ranges: None,
         }
+    }
+
+    /// Whether signal strengths tell anything here: transmitters other than the anchors, or a survey.
+    pub fn has_signals(&self) -> bool {
+        self.surveyed.is_some() || !self.transmitters.is_empty()
     }
 
     /// The same with what `adit calibrate pathloss` found.

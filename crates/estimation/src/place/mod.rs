@@ -1,0 +1,6 @@
+//! Where somebody is, by dead reckoning of any kind and whatever else is at hand: hypotheses, each an error-state filter.
+
+pub mod params;
+pub mod single;
+pub mod state;
+pub mod trail;
