@@ -117,6 +117,9 @@ impl Scenario {
                 fs::read_to_string(&file)?.parse().with_context(|| file.display().to_string())?
             }
         };
+        if let Some(part) = text("config_of") {
+            config = Table::from_iter([(part, Value::Table(config))]);
+        }
         if let Some(over) = run.get("config").and_then(Value::as_table) {
             merge(&mut config, over);
         }
@@ -163,7 +166,7 @@ impl Simulated {
         let (log, out, config, covariance, mine) = (log?, out?, config?, covariance?, mine?);
         let mut args = vec!["track", &log, "--method", &contender.method, "-o", &out, "--config", &config];
         args.extend(["--covariance", &covariance, "--every", EVERY_S]);
-        if !contender.starts_anywhere() {
+        if !contender.starts_anywhere() && beside("mine.json").exists() {
             args.extend(["--mine", &mine]);
         }
         if let Some(model) = &contender.nlos {
