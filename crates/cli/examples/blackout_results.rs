@@ -1,8 +1,10 @@
-//! How a blackout is survived, as Markdown and JSON: `blackout_results ADIT SCENARIO.toml SEEDS OUT.md OUT.json [METHOD …]`.
+//! How a blackout is survived: `blackout_results ADIT SCENARIO.toml SEEDS OUT.md OUT.json FIGURE.svg [METHOD …]`, seeds as 20 (from 1 on) or 7-9.
 //!
-//! The scenario cuts everything off for a time (`[[mine.outages]]` with `dead = "everything"`; of several the longest counts). Its
+//! Tables as Markdown, every run as JSON, and the first contender's way on the first seed as a figure. The scenario cuts everything off for a time (`[[mine.outages]]` with `dead = "everything"`; of several the longest counts). Its
 //! contenders, or those of the methods named, run on so many seeds, one thread to a seed. Called by `ci/results.sh`.
 
+#[path = "support/dark_figure.rs"]
+mod dark_figure;
 #[path = "support/dark_hour.rs"]
 mod dark_hour;
 #[path = "support/tracked.rs"]
@@ -22,28 +24,35 @@ const ALIGNED_BY_M: f64 = 150.0;
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [adit, scenario, seeds, out, json, methods @ ..] = arguments.as_slice() else {
-        bail!("usage: blackout_results ADIT SCENARIO.toml SEEDS OUT.md OUT.json [METHOD …]")
+    let [adit, scenario, seeds, out, json, figure, methods @ ..] = arguments.as_slice() else {
+        bail!("usage: blackout_results ADIT SCENARIO.toml SEEDS OUT.md OUT.json FIGURE.svg [METHOD …]")
     };
-    let (adit, seeds) = (PathBuf::from(adit), seeds.parse::<u64>().context("a number of seeds")?);
+    let (adit, (first, last)) = (PathBuf::from(adit), range(seeds).context("seeds as 20 or as 7-9")?);
     let scenario = Scenario::open(scenario.as_ref())?;
     let dark = Dark::of(&scenario)?;
     let contenders = scenario.contenders(methods)?;
     let one = |seed: u64| -> Result<Vec<Option<DarkHour>>> {
         let simulated = scenario.simulate(&adit, seed)?;
-        let judged = |contender: &Contender| {
+        let judged = |contender: &Contender| -> Result<Option<DarkHour>> {
             let moments = simulated.track(&adit, contender, (dark.from_s, ALIGNED_BY_M));
             match moments {
-                Ok(moments) => Some(DarkHour::of(seed, &moments, &simulated, &dark)),
+                Ok(moments) => {
+                    if seed == first && contender.name == contenders[0].name {
+                        let svg = dark_figure::figure(&simulated, &dark, &contender.name, &moments)?;
+                        std::fs::write(figure, svg).with_context(|| figure.clone())?;
+                    }
+                    Ok(Some(DarkHour::of(seed, &moments, &simulated, &dark)))
+                }
                 Err(error) => {
                     eprintln!("seed {seed}, {}: {error:#}", contender.name);
-                    None
+                    Ok(None)
                 }
             }
         };
-        Ok(contenders.iter().map(judged).collect())
+        contenders.iter().map(judged).collect()
     };
-    let runs = (1..=seeds).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
+    let runs = (first..=last).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
+    let seeds = last - first + 1;
     let mut lines = [String::new(), String::new()];
     let mut all = serde_json::Map::new();
     for (index, contender) in contenders.iter().enumerate() {
@@ -65,6 +74,13 @@ fn main() -> Result<()> {
     );
     std::fs::write(out, text).with_context(|| out.clone())?;
     std::fs::write(json, serde_json::to_string_pretty(&all)? + "\n").with_context(|| json.clone())
+}
+
+/// First and last seed.
+fn range(text: &str) -> Option<(u64, u64)> {
+    let (first, last) = text.split_once('-').unwrap_or(("1", text));
+    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+    (first <= last).then_some((first, last))
 }
 
 fn statistics(values: impl Iterator<Item = f64>) -> Option<Statistics> {

@@ -10,6 +10,7 @@ use adit_core::trajectory::{Pose, Trajectory};
 use adit_evaluation::alignment::{Alignment, RigidMotion, align};
 use adit_evaluation::association::{Association, associate};
 use adit_evaluation::consistency::normalised_squared_error;
+use adit_mine::Mine;
 use adit_observation::solution_csv::SolutionReader;
 use adit_observation::truth;
 use anyhow::{Context, Result, bail};
@@ -149,6 +150,11 @@ impl Scenario {
 }
 
 impl Simulated {
+    /// The mine.
+    pub fn mine(&self) -> Result<Mine> {
+        Ok(adit_mine::file::open(&self.folder.path().join("mine.json"))?.0)
+    }
+
     /// A contender's run. A path that begins wherever it likes is laid on the truth by the last `align_m` that were walked before
     /// `align_s`: as if fixes had told place and heading until then.
     pub fn track(
