@@ -63,6 +63,8 @@ struct TagEntry {
     barometer: Option<Spanned<String>>,
     /// Its rate, Hz, in place of its own.
     barometer_hz: Option<Spanned<f64>>,
+    /// When barometer and magnetometer say nothing: from, until, s.
+    silent_s: Vec<[f64; 2]>,
     radio: RadioRates,
     /// How wrong the start is that the log's sidecar tells; nothing is told without it.
     start: Option<Spanned<StartEntry>>,
@@ -175,6 +177,7 @@ impl Scenario {
             imu_hz,
             magnetic,
             barometer: self.barometer(&entry.tag)?,
+            silent_s: entry.tag.silent_s.clone(),
             radio: entry.tag.radio,
         };
         let (clock, link) = match &entry.delivery {

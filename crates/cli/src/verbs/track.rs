@@ -185,12 +185,42 @@ fn smooth<S: MethodSettings>(log: &mut Log, settings: S, outputs: &mut Outputs) 
     Ok(Run { inertial_samples, report })
 }
 
-/// The files being written, and the sums over what was written.
+/// The files being written, and the sums over all solutions.
 struct Outputs {
     staged: Staged,
     trajectory: TumWriter,
     covariance: Option<SolutionWriter>,
+    thinning: Option<Thinning>,
     journey: Journey,
+}
+
+/// Which solutions are written: those at or next after the multiples of a time, and the last.
+struct Thinning {
+    every_s: f64,
+    /// The multiple that the next one serves.
+    due_s: f64,
+    /// The latest that was not written.
+    skipped: Option<Solution>,
+}
+
+impl Thinning {
+    fn new(every_s: f64) -> Self {
+        Self { every_s, due_s: f64::NEG_INFINITY, skipped: None }
+    }
+
+    /// Whether to write it.
+    fn takes(&mut self, solution: &Solution) -> bool {
+        // Half a microsecond, for samples that fall on the grid.
+        let time_s = solution.time.seconds() + 5e-7;
+        let due = time_s >= self.due_s;
+        if due {
+            self.due_s = ((time_s / self.every_s).floor() + 1.0) * self.every_s;
+            self.skipped = None;
+        } else {
+            self.skipped = Some(solution.clone());
+        }
+        due
+    }
 }
 
 impl Outputs {
@@ -200,21 +230,32 @@ impl Outputs {
             trajectory: TumWriter::create(staged.path())?,
             staged,
             covariance: args.covariance.as_ref().map(SolutionWriter::create).transpose()?,
+            thinning: args.every.map(Thinning::new),
             journey: Journey::default(),
         })
     }
 
     fn push(&mut self, solution: &Solution) -> Result<()> {
+        self.journey.push(solution);
+        if self.thinning.as_mut().is_none_or(|thinning| thinning.takes(solution)) {
+            self.write(solution)?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, solution: &Solution) -> Result<()> {
         let Solution { time, position_m, attitude, .. } = *solution;
         self.trajectory.push(&Pose { time, position_m, attitude })?;
         if let Some(file) = &mut self.covariance {
             file.push(solution)?;
         }
-        self.journey.push(solution);
         Ok(())
     }
 
-    fn finish(self) -> Result<Journey> {
+    fn finish(mut self) -> Result<Journey> {
+        if let Some(last) = self.thinning.take().and_then(|thinning| thinning.skipped) {
+            self.write(&last)?;
+        }
         self.trajectory.finish()?;
         if let Some(file) = self.covariance {
             file.finish()?;
@@ -326,6 +367,7 @@ impl TrackReport {
             nlos: None,
             smooth: false,
             lag: None,
+            every: None,
             json: None,
             covariance: Some(covariance),
         }
