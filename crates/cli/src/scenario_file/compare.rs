@@ -156,8 +156,19 @@ impl Contender {
     }
 
     fn of(entry: &Spanned<RunEntry>, source: &Source) -> Result<Self> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey, calibrate, nlos, only } =
-            entry.get_ref();
+        let RunEntry {
+            name,
+            method,
+            config,
+            config_file,
+            config_of,
+            figures,
+            tune,
+            survey,
+            calibrate,
+            nlos,
+            only,
+        } = entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
             Some(file) => {
@@ -165,6 +176,9 @@ impl Contender {
                 config::parse(&path, &config::text(&path)?)?
             }
         };
+        if let Some(part) = config_of {
+            settings = toml::Table::from_iter([(part.clone(), toml::Value::Table(settings))]);
+        }
         config::merge(&mut settings, config.clone());
         Ok(Self {
             name: name.clone().unwrap_or_else(|| method.name().to_owned()),
@@ -209,32 +223,6 @@ impl Scenario {
             let what = "a run that is tuned needs [compare.tuning]: person, agents, evaluations";
             return Err(self.source.error(&run.span(), what));
         }
-        Ok(Contest { align: entry.align, moments, person: self.number(&entry.person)?, tuning, contenders })
-    }
-
-    fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, config_of, figures, tune, survey, calibrate, nlos } =
-            entry.get_ref();
-        let mut settings = match config_file {
-            None => toml::Table::new(),
-            Some(file) => {
-                let path = self.source.folder().join(file);
-                config::parse(&path, &config::text(&path)?)?
-            }
-        };
-        if let Some(part) = config_of {
-            settings = toml::Table::from_iter([(part.clone(), toml::Value::Table(settings))]);
-        }
-        config::merge(&mut settings, config.clone());
-        Ok(Contender {
-            name: name.clone().unwrap_or_else(|| method.name().to_owned()),
-            method: *method,
-            config: settings,
-            in_figures: *figures,
-            tune: tune.map(|name| name.0),
-            survey: survey.as_ref().map(|person| self.number(person)).transpose()?,
-            calibrate: calibrate.as_ref().map(|person| self.number(person)).transpose()?,
-            nlos: nlos.as_deref().map(|name| judged_ranges::model(name, self.source.folder())).transpose()?,
         Ok(Contest {
             align: entry.align,
             moments,
