@@ -48,6 +48,8 @@ const NEWEST: f64 = 0.1;
 const REOPENED: (f64, f64, f64) = (10.0, 2.0, 0.2);
 /// After a way as long as this without contradiction a bank that was opened again is as good as any, m; before, it is opened twice as wide each time.
 const TRUSTED_M: f64 = 200.0;
+/// Share of its variance at the start that is added to that of the factor.
+const FORGOTTEN: f64 = 0.25;
 /// Most doublings.
 const WIDER: u32 = 6;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
@@ -165,9 +167,11 @@ impl Bank {
             p[(index, index)] += sigma * sigma;
         }
         let (factor, variance) = self.factor;
-        if variance > p[(FACTOR, FACTOR)] {
+        if (state.factor - factor).abs() > DEFORMED * libm::sqrt(variance) {
             state.forget(FACTOR, variance);
             state.factor = factor;
+        } else {
+            p[(FACTOR, FACTOR)] += FORGOTTEN * variance;
         }
         self.lost = true;
         self.reopened_m = 0.0;
