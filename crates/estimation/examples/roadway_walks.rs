@@ -34,6 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("poor foot, long straights", Carrier::poor_foot(), steady),
         ("waist", Carrier::waist(), turning),
         ("waist, long straights", Carrier::waist(), steady),
+        ("waist, start known by 20 m", Carrier { start_m: 20.0, ..Carrier::waist() }, turning),
+        ("foot, start known by 20 m", Carrier { start_m: 20.0, ..Carrier::foot() }, turning),
+        ("waist, direction known by 25°", Carrier { start_heading_rad: 0.44, ..Carrier::waist() }, turning),
         ("poor waist", Carrier::poor_waist(), turning),
         ("poor waist, long straights", Carrier::poor_waist(), steady),
     ];
