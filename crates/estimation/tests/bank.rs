@@ -376,3 +376,53 @@ fn who_took_the_cage_is_found_again_by_three_rounds_of_ranges() {
     assert_ne!(estimate.place, level);
     assert!((estimate.position_m - lower).norm() < 1.0, "{}", estimate.position_m);
 }
+
+#[test]
+fn a_spiral_ramp_whose_turns_lie_above_each_other_is_climbed() {
+    let (radius_m, sides) = (20.0, 12);
+    let corner = |index: i32| {
+        let (sin, cos) = (f64::from(index) / f64::from(sides) * core::f64::consts::TAU).sin_cos();
+        [radius_m * cos, radius_m * sin, 1.2 * f64::from(index)]
+    };
+    let spiral: Vec<[f64; 3]> = (0..=3 * sides).map(corner).collect();
+    let top = spiral[spiral.len() - 1];
+    let (below, above) = ([[radius_m, -150.0, 0.0], spiral[0]], [top, [radius_m, 150.0, top[2]]]);
+    let (_, roadways) = drawn(&[&below, &spiral, &above]);
+    let mut way = vec![below[0]];
+    way.extend(&spiral);
+    way.push(above[1]);
+    for (level_way, height_m) in [(true, 1.0), (false, 0.1)] {
+        let params = BankParams { level_way, tag_height_m: height_m, ..BankParams::default() };
+        let start = started([radius_m, -150.0, height_m], 0.5, 0.3, 0.05);
+        let mut bank = led(&roadways, start, &way, (1.05, 0.03), params);
+        let estimate = bank.estimate().unwrap();
+        let off = estimate.position_m - Vector3::new(radius_m, 150.0, top[2] + height_m);
+        assert!(off.norm() < 6.0, "{off} of {}", estimate.share);
+        assert!(!estimate.lost);
+    }
+}
+
+#[test]
+fn who_works_in_a_chamber_is_held_to_it_and_leaves_it_again() {
+    let (_, roadways) = two_levels();
+    let params = BankParams { tag_height_m: 0.0, ..BankParams::default() };
+    let to = [[5200.0, 3005.0, 112.6], [5200.0, 3035.0, 112.6], [5212.0, 3036.0, 112.6]];
+    let work: Vec<[f64; 3]> =
+        (0..200).map(|i| [5210.0 + 2.0 * f64::from(i % 2), 3034.0 + f64::from(i % 4), 112.6]).collect();
+    let back = [[5200.0, 3036.0, 112.6], [5200.0, 3068.0, 112.6], [5240.0, 3068.0, 112.7]];
+    let start = || started([5200.0, 3005.0, 112.6], 0.5, 0.5, 0.02);
+    let way: Vec<[f64; 3]> = to.iter().chain(&work).copied().collect();
+    let mut inside = led(&roadways, start(), &way, (1.0, 0.02), params);
+    let estimate = inside.estimate().unwrap();
+    assert!(matches!(estimate.place, Place::Chamber(_)), "{estimate:?}");
+    assert!(
+        (estimate.position_m.xy() - Vector2::from([5211.0, 3036.0])).norm() < 5.0,
+        "{}",
+        estimate.position_m
+    );
+    let whole: Vec<[f64; 3]> = way.iter().chain(&back).copied().collect();
+    let mut after = led(&roadways, start(), &whole, (1.0, 0.02), params);
+    let estimate = after.estimate().unwrap();
+    assert!((estimate.position_m - Vector3::from(back[2])).norm() < 4.0, "{}", estimate.position_m);
+    assert!(matches!(estimate.place, Place::Piece(_)));
+}
