@@ -151,7 +151,8 @@ impl Hypothesis {
             if beyond_m > room_m {
                 let point = piece.at(if end == 0 { 0.0 } else { piece.length_m });
                 let away = -piece.away_from(end).push(0.0);
-                if let Some((beyond, log_within)) = self.state.keep_within((&point, &away), room_m) {
+                if let Some((beyond, log_within)) = self.state.keep_within((&point, &away), room_m, DEFORMED)
+                {
                     held.add(Held { log_likelihood: log_within, strain: beyond * beyond });
                 }
             }
@@ -236,24 +237,28 @@ impl Hypothesis {
     /// The nearest place in the air, where it is held to a roadway or chamber, m.
     pub(super) fn in_air(&self, roadways: Option<&Roadways>) -> Vector3<f64> {
         let here = self.state.position_m;
-        let held = match (self.place, roadways) {
-            (Place::Piece(index), Some(roadways)) => roadways.piece(index).map(|piece| {
-                let on = piece.on(&here.xy());
-                let [before, behind] = [0, 1].map(|end| room_at(roadways, piece, end));
-                let along_m = on.along_m.clamp(-before, piece.length_m + behind);
-                // Beyond an end the roadway is round.
-                let beyond_m = along_m - along_m.clamp(0.0, piece.length_m);
-                let half_m =
-                    libm::sqrt((piece.half_width_m * piece.half_width_m - beyond_m * beyond_m).max(0.0));
-                let on_line = piece.at(along_m).xy();
-                on_line + piece.left() * on.left_m.clamp(-half_m, half_m)
-            }),
-            (Place::Chamber(index), Some(roadways)) => roadways
-                .chamber(index)
-                .map(|room| if room.contains(&here.xy()) { here.xy() } else { room.wall(&here.xy()) }),
-            _ => None,
+        let upright = |level: Vector2<f64>, floor_m: f64, height_m: f64| {
+            level.push(here[UP].clamp(floor_m, floor_m + height_m))
         };
-        held.map_or(here, |level| level.push(here[UP]))
+        match (self.place, roadways) {
+            (Place::Piece(index), Some(roadways)) => roadways.piece(index).map_or(here, |piece| {
+                let on = piece.on(&here.xy());
+                let [before_m, behind_m] = [0, 1].map(|end| room_at(roadways, piece, end));
+                let along_m = on.along_m.clamp(-before_m, piece.length_m + behind_m);
+                // Beyond an end the roadway is round.
+                let on_line_m = along_m.clamp(0.0, piece.length_m);
+                let (half_m, beyond_m) = (piece.half_width_m, along_m - on_line_m);
+                let aside_m = libm::sqrt((half_m * half_m - beyond_m * beyond_m).max(0.0));
+                let place = piece.at(along_m).xy() + piece.left() * on.left_m.clamp(-aside_m, aside_m);
+                upright(place, piece.floor_m(on_line_m), piece.height_m)
+            }),
+            (Place::Chamber(index), Some(roadways)) => roadways.chamber(index).map_or(here, |room| {
+                let inside = room.contains(&here.xy());
+                let place = if inside { here.xy() } else { room.wall(&here.xy()) };
+                upright(place, room.floor_m, room.height_m)
+            }),
+            _ => here,
+        }
     }
 
     /// Both are in one place by their states and go along one line: what tells them apart is small beside what they do not know.
