@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
-use tracked::{Contender, Scenario};
+use tracked::{Contender, Laid, Scenario};
 
 /// What a path without fixes is laid on the truth by: this much of the way before the blackout, m.
 const ALIGNED_BY_M: f64 = 150.0;
@@ -34,14 +34,15 @@ fn main() -> Result<()> {
     let one = |seed: u64| -> Result<Vec<Option<DarkHour>>> {
         let simulated = scenario.simulate(&adit, seed)?;
         let judged = |contender: &Contender| -> Result<Option<DarkHour>> {
-            let moments = simulated.track(&adit, contender, (dark.from_s, ALIGNED_BY_M));
+            let laid = Laid::Before { until_s: dark.from_s, walked_m: ALIGNED_BY_M };
+            let moments = simulated.track(&adit, contender, laid);
             match moments {
-                Ok(moments) => {
+                Ok((moments, nis)) => {
                     if seed == first && contender.name == contenders[0].name {
                         let svg = dark_figure::figure(&simulated, &dark, &contender.name, &moments)?;
                         std::fs::write(figure, svg).with_context(|| figure.clone())?;
                     }
-                    Ok(Some(DarkHour::of(seed, &moments, &simulated, &dark)))
+                    Ok(Some(DarkHour::of(seed, &moments, nis, &simulated, &dark)))
                 }
                 Err(error) => {
                     eprintln!("seed {seed}, {}: {error:#}", contender.name);
@@ -68,8 +69,8 @@ fn main() -> Result<()> {
     let text = format!(
         "| {seeds} seeds, {minutes:.0} min | walked in the dark | error at the end, of the way: mean | median | 95 % | worst | largest on the way: mean | 95 % | worst | wrong level |\n\
          |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n{}\n\
-         | truth within the 95 % radius | before | in the dark | after | lost | NEES (2): before | in the dark | after | jumps over the radius | largest | back after: median | worst | fixes: median | worst |\n\
-         |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n{}",
+         | truth within the 95 % radius | before | in the dark | after | lost | NEES (2): before | in the dark | after | NIS (1) | jumps over the radius | largest | back after: median | worst | fixes: median | worst |\n\
+         |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n{}",
         lines[0], lines[1]
     );
     std::fs::write(out, text).with_context(|| out.clone())?;
@@ -125,6 +126,8 @@ fn honesty(name: &str, hours: &[&DarkHour]) -> Result<String> {
         let nees = mean(&mut hours.iter().map(|hour| part(hour).nees));
         write!(line, "| {} ", nees.map_or("–".to_owned(), |nees| format!("{nees:.2}")))?;
     }
+    let nis = mean(&mut hours.iter().map(|hour| hour.nis));
+    write!(line, "| {} ", nis.map_or("–".to_owned(), |nis| format!("{nis:.2}")))?;
     let jumps: u32 = hours.iter().map(|hour| hour.jumps).sum();
     let largest = hours.iter().map(|hour| hour.largest_jump).fold(0.0, f64::max);
     write!(line, "| {jumps} | {largest:.2} × radius ")?;
