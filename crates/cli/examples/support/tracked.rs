@@ -59,8 +59,6 @@ pub enum Laid {
     },
     /// Place and heading at the start.
     Start,
-    /// Nothing.
-    AsItIs,
 }
 
 /// A scenario file.
@@ -158,12 +156,10 @@ impl Scenario {
         if let Some(over) = run.get("config").and_then(Value::as_table) {
             merge(&mut config, over);
         }
-        Ok(Contender {
-            name: text("name").unwrap_or_else(|| method.clone()),
-            method,
-            config,
-            nlos: text("nlos"),
-        })
+        let calibrate = run.get("calibrate").and_then(Value::as_integer);
+        let calibrate = calibrate.map(usize::try_from).transpose()?;
+        let name = text("name").unwrap_or_else(|| method.clone());
+        Ok(Contender { name, method, config, nlos: text("nlos"), calibrate })
     }
 
     /// What `[compare]` says under a name.
@@ -233,7 +229,7 @@ impl Simulated {
                 let pairs = associate(&self.truth, &estimate()?, &Association::default())?.pairs;
                 align(&pairs, Alignment::Start, 1.0)?
             }
-            Laid::Before { .. } | Laid::AsItIs => RigidMotion::identity(),
+            Laid::Before { .. } => RigidMotion::identity(),
         };
         let moments = self.moments(&solutions, &motion)?;
         fs::remove_file(&solutions)?;

@@ -1,19 +1,16 @@
-//! How often the truth is within the stated 95 % radius, scenario by scenario: `radius_results ADIT SCENARIOS METHOD SEEDS OUT.md [SCENARIO …]`.
+//! How often the truth is within the stated 95 % radius, scenario by scenario.
 //!
 //! Of each scenario the run of the method that its `[compare]` has, or the method as it comes; the same person and alignment. All moments
-//! count, every 0.1 s from the first solution on. NIS is the method's own word. Called by `ci/results.sh`.
+//! count, every 0.1 s from the first solution on. NIS is the method's own word.
 
-#[path = "support/tracked.rs"]
-mod tracked;
-
+use crate::tracked::{Laid, Moment, Nis, Scenario};
 use adit_core::solution::Quality;
 use adit_evaluation::statistics::Distribution;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Value;
-use tracked::{Laid, Moment, Nis, Scenario};
 
 /// Those that ship, by name.
 const SCENARIOS: [&str; 9] =
@@ -21,12 +18,15 @@ const SCENARIOS: [&str; 9] =
 /// What a path without fixes is laid on the truth by where a scenario forgives nothing: so much of the way in the first minutes.
 const ALIGNED: Laid = Laid::Before { until_s: 300.0, walked_m: 150.0 };
 
-fn main() -> Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [adit, scenarios, method, seeds, out, names @ ..] = arguments.as_slice() else {
-        bail!("usage: radius_results ADIT SCENARIOS METHOD SEEDS OUT.md [SCENARIO …]")
-    };
-    let (adit, seeds) = (PathBuf::from(adit), seeds.parse::<u64>().context("a number of seeds")?);
+/// The table of a method over these scenarios, or all.
+pub fn table(
+    adit: &Path,
+    scenarios: &Path,
+    method: &str,
+    (first, last): (u64, u64),
+    names: &[String],
+) -> Result<String> {
+    let seeds = last - first + 1;
     let names: Vec<&str> =
         if names.is_empty() { SCENARIOS.to_vec() } else { names.iter().map(String::as_str).collect() };
     let mut text = format!(
@@ -34,14 +34,14 @@ fn main() -> Result<()> {
          |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
     );
     for name in names {
-        let file = Path::new(scenarios).join(format!("{name}.toml"));
+        let file = scenarios.join(format!("{name}.toml"));
         let scenario = Scenario::open(&file)?;
         let runs: Vec<Option<Run>> =
-            (1..=seeds).into_par_iter().map(|seed| one(&adit, &scenario, method, seed)).collect();
+            (first..=last).into_par_iter().map(|seed| one(adit, &scenario, method, seed)).collect();
         let runs: Vec<Run> = runs.into_iter().flatten().collect();
         text += &row(name, &runs, seeds)?;
     }
-    std::fs::write(out, text).with_context(|| out.clone())
+    Ok(text)
 }
 
 /// A run: what it said, and its innovations.
