@@ -35,9 +35,9 @@ pub struct CompareArgs {
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
     pub methods: Vec<MethodName>,
 
-    /// Number of runs of a scenario, one for each seed
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub seeds: u32,
+    /// Number of runs of a scenario, one for each seed [default: the suite's, else 20]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub seeds: Option<u32>,
 
     /// What to forgive before errors are taken [default: the scenario's; se2 for a folder]
     #[arg(long, value_name = "none|start|se2|se3")]

@@ -135,7 +135,7 @@ impl Scenario {
         let entry = self.entries.mine.as_ref().filter(|_| self.has_everybody());
         let Some(entry) = entry else { return Ok(None) };
         let mine = self.mine(&entry.get_ref().file)?;
-        Ok(Some(Arc::new(RadioSite::of_plan(mine.plan()))))
+        Ok(Some(Arc::new(RadioSite::of_mine(&mine))))
     }
 
     /// Makes everybody in the mine of `kind = "mine"`.

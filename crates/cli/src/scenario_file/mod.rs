@@ -32,11 +32,11 @@ use adit_simulation::{
 };
 use anyhow::{Result, bail};
 use compare::CompareEntry;
-pub use compare::{Contender, Contest, Tuning};
+pub use compare::{Contender, Contest, RunEntry, Tuning};
 use magnetic::Magnetic;
 pub use mine::Everybody;
 use mine::MineEntry;
-use place::Source;
+pub use place::Source;
 use roadway::RoadwayEntry;
 use serde::Deserialize;
 use std::collections::BTreeMap;

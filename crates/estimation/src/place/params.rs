@@ -20,6 +20,8 @@ pub struct PlaceParams {
     pub common_offset_sigma_m: f64,
     /// By how much ranges are stamped late, standard deviation, s.
     pub clock_sigma_s: f64,
+    /// By how much a tag hears every signal too strong, standard deviation, dB.
+    pub hearing_sigma_db: f64,
     /// Height of a tag above the floor, m.
     pub above_floor_m: f64,
     /// The same, standard deviation, m.
@@ -74,6 +76,7 @@ impl Default for PlaceParams {
             blocked_s: 1.0,
             common_offset_sigma_m: 0.05,
             clock_sigma_s: 0.05,
+            hearing_sigma_db: 6.0,
             above_floor_m: 1.0,
             above_floor_sigma_m: 0.3,
             barometer_sigma_m: 0.3,
@@ -157,6 +160,7 @@ impl PlaceParams {
             ("place.blocked_s", positive(self.blocked_s)),
             ("place.common_offset_sigma_m", not_negative(self.common_offset_sigma_m)),
             ("place.clock_sigma_s", not_negative(self.clock_sigma_s)),
+            ("place.hearing_sigma_db", not_negative(self.hearing_sigma_db)),
             ("place.above_floor_m", self.above_floor_m.is_finite()),
             ("place.above_floor_sigma_m", positive(self.above_floor_sigma_m)),
             ("place.barometer_sigma_m", positive(self.barometer_sigma_m)),

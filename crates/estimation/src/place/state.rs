@@ -1,7 +1,7 @@
 //! One hypothesis of where somebody is: state, covariance, and what each kind of observation does to them.
 //!
 //! ```text
-//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ ]
+//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o ]
 //! p ← p + (κ R(ψ + η) Δ_level, Δ_up),   R(θ) = |  cos θ  sin θ |    (θ clockwise, as headings are)
 //!                                             | −sin θ  cos θ |
 //! η ← η + ρ Δt                                  while the gyro alone holds the heading
@@ -9,17 +9,20 @@
 //! ```
 //!
 //! Δ is the way of the carrier in its own frame, ψ the angle that its frame is turned by, η the error of its heading, ρ the rate at which that drifts, κ the factor of its
-//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late. Zero velocity makes all of a strapdown but position and heading observable
+//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late, o by how much the tag hears every
+//! signal too strong. Zero velocity makes all of a strapdown but position and heading observable
 //! (Nilsson, Zachariah, Skog & Händel 2013): these states are what is left. The error is truth minus estimate.
 //!
 //! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
 
 use crate::kalman::dense::propagate;
+use crate::radio::Emitter;
+use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
-pub const STATES: usize = 10;
+pub const STATES: usize = 11;
 /// East, the first of three components of the position.
 pub const EAST: usize = 0;
 /// North.
@@ -40,9 +43,15 @@ pub const BAROMETER: usize = 7;
 pub const COMMON: usize = 8;
 /// τ: by how much ranges are stamped late, s.
 pub const CLOCK: usize = 9;
+/// o: by how much the tag hears every signal too strong, dB.
+pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
+/// Standard deviations from which the tail of the normal distribution is its first terms: to 1 % there.
+const FAR: f64 = 10.0;
+/// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
+const ALONG: f64 = 0.707;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
@@ -148,12 +157,14 @@ pub struct State {
     pub common_m: f64,
     /// τ, s.
     pub clock_s: f64,
+    /// o, dB.
+    pub hearing_db: f64,
     /// Covariance of the error.
     pub covariance: Covariance,
 }
 
 impl State {
-    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s; squared).
+    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s, dB; squared).
     pub fn new(variances: &Vector) -> Self {
         Self {
             position_m: Vector3::zeros(),
@@ -163,6 +174,7 @@ impl State {
             barometer_m: 0.0,
             common_m: 0.0,
             clock_s: 0.0,
+            hearing_db: 0.0,
             covariance: Covariance::from_diagonal(variances),
         }
     }
@@ -181,9 +193,25 @@ impl State {
 
     /// Moves along a stretch; gives the displacement, m.
     pub fn walk(&mut self, stretch: &Stretch) -> Vector3<f64> {
+        self.walk_along(stretch, None)
+    }
+
+    /// The same of somebody on a roadway in this direction (unit vector, either sense): the covariance is that of a way along it.
+    ///
+    /// Taken at the estimated direction, an error of the heading would make the length of the way seem to be seen across the roadway; and always too short, for what zigzags
+    /// fits better when it shrinks (an inconsistent linearisation as in Huang, Mourikis & Roumeliotis 2010).
+    pub fn walk_along(&mut self, stretch: &Stretch, roadway: Option<&Vector2<f64>>) -> Vector3<f64> {
         let walked = self.on_map(&stretch.way_m);
         self.position_m += walked;
-        let (turned, stretched) = (Vector2::new(walked.y, -walked.x), walked.xy() / self.factor);
+        let length_m = walked.xy().norm();
+        let on_roadway = roadway.map(|direction| (direction, direction.dot(&walked.xy())));
+        let level = match on_roadway {
+            Some((direction, along_m)) if along_m.abs() > ALONG * length_m => {
+                direction * libm::copysign(length_m, along_m)
+            }
+            _ => walked.xy(),
+        };
+        let (turned, stretched) = (Vector2::new(level.y, -level.x), level / self.factor);
         let (dt, kept, drifts) = match stretch.heading {
             HeadingError::Gyro { .. } => (stretch.interval_s, 1.0, 1.0),
             HeadingError::Magnetic { kept, .. } => (0.0, kept, 0.0),
@@ -197,9 +225,8 @@ impl State {
             carried[HEADING] = error[HEADING] * kept + error[DRIFT] * dt;
             carried
         });
-        let length_m = walked.xy().norm();
         if length_m > 0.0 {
-            let (along, across) = (walked.xy() / length_m, turned / length_m);
+            let (along, across) = (level / length_m, turned / length_m);
             let white = along * along.transpose() * stretch.along_m2
                 + across * across.transpose() * stretch.across_m2;
             self.spread(&white);
@@ -223,7 +250,7 @@ impl State {
         block += covariance_m2;
     }
 
-    /// Derivative of the position before a way of the carrier by the error state: 3×10.
+    /// Derivative of the position before a way of the carrier by the error state: 3×11.
     fn before_by(&self, way_m: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
         let since = self.on_map(way_m);
         let mut by = SMatrix::<f64, 3, STATES>::zeros();
@@ -302,6 +329,33 @@ impl State {
         }
     }
 
+    /// A signal strength, dBm: `P(‖p − a‖) + o + e`, P the path loss, over a level distance and a height above the tag.
+    ///
+    /// Near the transmitter the logarithm bends; what is not known of the place smooths it, and its second moment is noise.
+    pub fn see_signal(
+        &self,
+        emitter: &Emitter,
+        (rssi_dbm, sigma_db): (f64, f64),
+        way_m: &Vector3<f64>,
+    ) -> Seen<1> {
+        let away = self.before(way_m).xy() - emitter.position_m.xy();
+        let spread_m2 = self.covariance.fixed_view::<2, 2>(EAST, EAST).trace();
+        let square_m2 = away.norm_squared() + emitter.position_m.z * emitter.position_m.z;
+        let smooth_m2 = (square_m2 + spread_m2).max(NEAREST_M * NEAREST_M);
+        let fall_db = fall_db(&emitter.path_loss, libm::sqrt(smooth_m2));
+        let slope = away * (-fall_db / smooth_m2);
+        let mut jacobian = slope.transpose() * self.before_by(way_m).fixed_rows::<2>(0);
+        jacobian[(0, HEARING)] = 1.0;
+        let bent_db = 0.5 * fall_db * spread_m2 / smooth_m2;
+        Seen {
+            residual: SVector::<f64, 1>::new(
+                rssi_dbm - mean_of_square_dbm(&emitter.path_loss, square_m2) - self.hearing_db,
+            ),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_db * sigma_db + bent_db * bent_db),
+        }
+    }
+
     /// What a distance from an anchor is expected to be.
     fn sphere(&self, anchor_m: &Vector3<f64>, back: &Back) -> Sphere {
         let velocity_m_s = self.on_map(&back.velocity_m_s);
@@ -338,6 +392,36 @@ impl State {
         Some(Taken { nis, log_likelihood, widened })
     }
 
+    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
+    /// (Simon & Simon 2010, eq. 25–27, for one bound). Gives how many standard deviations the mean lay beyond it and the logarithm of the probability of being within; `None` when nothing is
+    /// known of it.
+    pub fn keep_within(
+        &mut self,
+        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
+        limit_m: f64,
+    ) -> Option<(f64, f64)> {
+        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
+        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
+        let sigma = libm::sqrt(variance);
+        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
+        let within = 0.5 * libm::erfc(beyond * core::f64::consts::FRAC_1_SQRT_2);
+        if !(variance > 0.0) {
+            return None;
+        }
+        // λ = φ/Φ; far out both vanish, and λ → x + 1/x.
+        let density = libm::exp(-0.5 * beyond * beyond) * 0.398_942_280_401_432_7;
+        let (ratio, log_within) = if beyond < FAR {
+            (density / within, libm::log(within))
+        } else {
+            (beyond + 1.0 / beyond, -0.5 * beyond * beyond - libm::log(beyond) - 0.918_938_533_204_672_8)
+        };
+        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
+        self.covariance -= cross * cross.transpose() * (lost / variance);
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(cross * (-ratio / sigma)));
+        Some((beyond, log_within))
+    }
+
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.
     pub fn judge<const M: usize>(&self, seen: &Seen<M>) -> Option<(f64, f64)> {
         let innovation = seen.jacobian * self.covariance * seen.jacobian.transpose() + seen.noise;
@@ -355,6 +439,30 @@ impl State {
         self.barometer_m += correction[BAROMETER];
         self.common_m += correction[COMMON];
         self.clock_s += correction[CLOCK];
+        self.hearing_db += correction[HEARING];
+    }
+
+    /// The two moments of a mixture of this state and another, which has this share of it.
+    pub fn join(&mut self, other: &Self, share: f64) {
+        let p = &self.covariance;
+        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
+        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
+        let of_turn =
+            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
+        let apart_m = other.position_m - self.position_m;
+        let mut apart = Vector::zeros();
+        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
+        apart[TURN] = of_turn;
+        apart[HEADING] = turned - of_turn;
+        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
+        apart[FACTOR] = other.factor - self.factor;
+        apart[BAROMETER] = other.barometer_m - self.barometer_m;
+        apart[COMMON] = other.common_m - self.common_m;
+        self.covariance = self.covariance * (1.0 - share)
+            + other.covariance * share
+            + apart * apart.transpose() * (share * (1.0 - share));
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(apart * share));
     }
 
     /// Nothing is known of a state but this variance: its error is that of nothing else.

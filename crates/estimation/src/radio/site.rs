@@ -7,11 +7,14 @@ use super::map::{Hearing, Storeys};
 use super::model::{FingerprintModel, PathLossModel};
 use super::nearest::Fingerprints;
 use super::{AreaPrior, MapParams, PathLoss, RadioMap};
+use crate::place::roadways::Roadways;
 use crate::ranging::correction::RangeCorrection;
 use adit_core::nalgebra::{Vector2, Vector3};
+use adit_mine::Mine;
 use adit_mine::plan::{AccessPoint, MinePlan, Radio};
 use adit_observation::DeviceId;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -125,6 +128,9 @@ pub struct RadioSite {
     pub anchors: Vec<SiteAnchor>,
     /// Readers of portals.
     pub readers: Vec<Reader>,
+    /// Roadways as map matching wants them, where the whole mine is known.
+    #[serde(skip)]
+    pub roadways: Option<Arc<Roadways>>,
     /// Places where people are, east, north, m: along the centre lines of roadways.
     pub spots_m: Vec<Vector2<f64>>,
     /// Those centre lines.
@@ -142,7 +148,14 @@ pub struct RadioSite {
 }
 
 impl RadioSite {
-    /// Access points, anchors and roadways of a mine; where it has no access points, its anchors stand for them (a bare list of places).
+    /// The same of a whole mine, with its roadways to match a walker to.
+    pub fn of_mine(mine: &Mine) -> Self {
+        let roadways = Roadways::new(mine);
+        let roadways = (roadways.pieces() > 0).then(|| Arc::new(roadways));
+        Self { roadways, ..Self::of_plan(mine.plan()) }
+    }
+
+    /// Access points, anchors and roadways of a plan; where it has no access points, its anchors stand for them (a bare list of places).
     pub fn of_plan(plan: &MinePlan) -> Self {
         let mut transmitters: Vec<Transmitter> = plan.access_points.iter().map(Transmitter::of).collect();
         if transmitters.is_empty() {
@@ -187,6 +200,7 @@ impl RadioSite {
             transmitters,
             anchors,
             readers: readers.collect(),
+            roadways: None,
             spots_m,
             centre_lines,
             reach_m,

@@ -26,6 +26,15 @@ pub enum Aiding {
         /// Above that of the first pressure, m.
         height_m: f64,
     },
+    /// A signal strength.
+    Signal {
+        /// When.
+        time: Time,
+        /// Its number at the site.
+        transmitter: usize,
+        /// dBm.
+        rssi_dbm: f64,
+    },
     /// Passing a portal.
     Sighting {
         /// When.
@@ -41,7 +50,7 @@ impl Aiding {
         match self {
             Self::Ranges(epoch) => epoch.time(),
             Self::Radio(fix) | Self::Fix(fix) => fix.time,
-            Self::Height { time, .. } | Self::Sighting { time, .. } => *time,
+            Self::Height { time, .. } | Self::Signal { time, .. } | Self::Sighting { time, .. } => *time,
         }
     }
 }

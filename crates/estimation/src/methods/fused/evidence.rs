@@ -19,10 +19,7 @@ const LEAST_RATE: f64 = 25.0;
 /// A swinging foot turns faster than this, rad/s; nothing above the knee of a walker does for long.
 const SWING_RAD_S: f64 = 4.5;
 /// Share of the samples that move, of which a swinging foot turns so fast.
-const SWING_SHARE: f64 = 0.12;
-/// And share that it stands almost still between: below this rate, rad/s.
-const STAND_RAD_S: f64 = 0.6;
-const STAND_SHARE: f64 = 0.15;
+const SWING_SHARE: f64 = 0.1;
 /// Faster than this counts as motion, rad/s.
 const MOTION_RAD_S: f64 = 1.0;
 /// Time of motion that is enough to judge, s.

@@ -11,15 +11,16 @@ use super::aiding::{Aiding, Waiting};
 use super::carrier::Carrier;
 use super::method::FusedReport;
 use super::params::FusedParams;
+use super::signals::Signals;
 use crate::methods::MethodError;
 use crate::methods::pdr::radio::RadioFixes;
 use crate::methods::pdr::search::{FOUND_RAD, Found, Search, UNKNOWN_RAD};
+use crate::place::bank::{Bank, BankParams, Estimate};
 use crate::place::params::{CarrierNoise, PlaceParams};
-use crate::place::single::Bank;
 use crate::place::state::Back;
 use crate::place::state::{
-    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HeadingError, NORTH, State, Stretch, TURN, UP,
-    Vector,
+    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, HeadingError, NORTH, State, Stretch,
+    TURN, UP, Vector,
 };
 use crate::place::trail::Trail;
 use crate::radio::AreaPrior;
@@ -41,6 +42,15 @@ use super::NAME;
 const TICK: Interval = Interval::from_nanos(95_000_000);
 /// The height is not known: standard deviation, m.
 const ANY_HEIGHT_M: f64 = 1e3;
+/// Positions over which the belief in them is learnt; its bounds; an outlier counts as no more than so many variances.
+const BELIEF_FIXES: f64 = 30.0;
+const BELIEF_LEAST: f64 = 0.02;
+const BELIEF_MOST: f64 = 4.0;
+const MOST_OFF: f64 = 9.0;
+/// Height of a tag on a foot above the floor, m.
+const FOOT_M: f64 = 0.1;
+/// A place that proved wrong without another to go to is wrong by about this, m.
+const REOPENED_M: f64 = 10.0;
 /// A height that is known is known to this, m.
 const LEAST_HEIGHT_M: f64 = 0.01;
 /// A solution of a carrier after longer than this is a gap, s.
@@ -67,6 +77,9 @@ pub struct Follower {
     starts_on_map: bool,
     mounted: bool,
     bank: Bank,
+    /// What it said last.
+    #[serde(skip)]
+    estimate: Option<Estimate>,
     placed: bool,
     search: Option<Search>,
     searched: Option<(Time, Vector3<f64>)>,
@@ -77,7 +90,10 @@ pub struct Follower {
     /// Height of the tag on a level floor, and its standard deviation, m, where somebody told it.
     floor_m: Option<(f64, f64)>,
     radio: Option<RadioFixes>,
+    signals: Option<Signals>,
     readers: Vec<Reader>,
+    /// What the covariance of positions by radio is multiplied by, of each source.
+    belief: [f64; FixSource::ALL.len()],
     /// Last time each link was heard, by anchor.
     heard: Vec<(usize, Time)>,
     /// The carrier's last solution, and where the bank has come to.
@@ -90,6 +106,8 @@ pub struct Follower {
     rides: bool,
     pressure_pa: Option<f64>,
     told: Option<Time>,
+    /// The bank has moved since it was asked.
+    moved: bool,
 }
 
 /// Where the bank has come to.
@@ -117,7 +135,8 @@ impl Follower {
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::default(),
+            bank: Bank::new(bank_params(params, carrier), site.and_then(|site| site.roadways.clone())),
+            estimate: None,
             placed: false,
             search: None,
             searched: None,
@@ -130,7 +149,9 @@ impl Follower {
                 .height_m
                 .map(|height_m| (height_m, params.solver.height_sigma_m.max(LEAST_HEIGHT_M))),
             radio: if known { RadioFixes::new(&radio)? } else { None },
+            signals: site.and_then(|site| Signals::new(site, &params.steps.radio)),
             readers: site.map(|site| site.readers.clone()).unwrap_or_default(),
+            belief: [1.0; FixSource::ALL.len()],
             heard: Vec::new(),
             reckoned: None,
             walked: None,
@@ -139,6 +160,7 @@ impl Follower {
             rides: false,
             pressure_pa: None,
             told: None,
+            moved: false,
         })
     }
 
@@ -159,6 +181,11 @@ impl Follower {
             Observation::Signal(signal) => {
                 if let Some(radio) = &mut self.radio {
                     radio.observe(signal);
+                }
+                let (time, rssi_dbm) = (signal.time, signal.rssi_dbm);
+                let known = self.signals.as_ref().and_then(|signals| signals.transmitter(signal));
+                if let Some(transmitter) = known.filter(|_| signal.fault().is_none()) {
+                    self.waiting.push(Aiding::Signal { time, transmitter, rssi_dbm }, report);
                 }
             }
             Observation::Fix(fix) if fix.fault().is_none() => self.waiting.push(Aiding::Fix(*fix), report),
@@ -224,11 +251,13 @@ impl Follower {
         self.reckoned = Some(now);
         if due || self.walked.is_none_or(|walked| time - walked.time >= TICK) {
             self.walk(carrier);
+            self.moved = true;
         }
         while let Some(aiding) = self.waiting.pop(time) {
             self.hold(carrier, &aiding, report);
+            self.moved = true;
         }
-        self.tell(carrier)
+        self.tell()
     }
 
     /// The first solution of the carrier: by a start it stands on the map.
@@ -260,6 +289,7 @@ impl Follower {
         sigmas[BAROMETER] = ANY_HEIGHT_M;
         sigmas[COMMON] = self.params.common_offset_sigma_m;
         sigmas[CLOCK] = self.params.clock_sigma_s;
+        sigmas[HEARING] = self.params.hearing_sigma_db;
         let mut state = State::new(&sigmas.component_mul(&sigmas));
         state.spread(&place_m2);
         let heading = self.reckoned.as_ref().map_or(0.0, |now| now.covariance[(8, 8)]);
@@ -328,10 +358,18 @@ impl Follower {
                 let links: Vec<Link> = epoch.ranges.iter().filter_map(|range| listener.link(range)).collect();
                 self.hold_ranges(carrier, epoch.time(), &links, &back, report);
             }
+            Aiding::Signal { time, transmitter, rssi_dbm } => {
+                self.hold_signal(*time, *transmitter, *rssi_dbm, &back, report);
+            }
+            // Once there is a place each signal is held against it by itself.
+            Aiding::Radio(_) if self.placed && self.signals.is_some() => {}
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
-                let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);
-                self.hold_fix(carrier, &weighed.unwrap_or(*fix), &back, report);
+                let belief = self.belief[fix.source as usize];
+                let fix = PositionFix { covariance_m2: fix.covariance_m2 * belief, ..*fix };
+                self.learn(&fix, &back, belief);
+                let weighed = self.radio.as_mut().map(|radio| radio.weigh(&fix, &way_m).0);
+                self.hold_fix(carrier, &weighed.unwrap_or(fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
             Aiding::Height { height_m, .. } => {
@@ -349,11 +387,55 @@ impl Follower {
         }
     }
 
+    /// A signal strength.
+    fn hold_signal(
+        &mut self,
+        time: Time,
+        transmitter: usize,
+        rssi_dbm: f64,
+        back: &Back,
+        report: &mut FusedReport,
+    ) {
+        let way_m = self.trail.at(time).unwrap_or_default();
+        let (Some(signals), Some(best)) = (&mut self.signals, self.bank.best()) else { return };
+        let state = &best.state;
+        let Some(expected) = signals.expect(transmitter, time, &way_m) else { return };
+        let (emitter, sigma_db, new_db) = (expected.emitter, expected.sigma_db, expected.new_db);
+        let seen = state.see_signal(&emitter, (rssi_dbm, sigma_db), &back.way_m);
+        let of_place = (seen.jacobian * state.covariance * seen.jacobian.transpose())[(0, 0)]
+            + seen.noise[(0, 0)]
+            - sigma_db * sigma_db;
+        signals.learn((transmitter, time, way_m), &expected, seen.residual[0], of_place);
+        let bound = self.params.nis_bound;
+        let taken =
+            self.bank.take(|state| state.see_signal(&emitter, (rssi_dbm, new_db), &back.way_m), bound);
+        if let Some(taken) = taken {
+            report.note(taken.nis, 1, taken.widened);
+            self.held_until = self.held_until.max(Some(time + FIX_HOLD));
+        }
+    }
+
+    /// How much better or worse than they tell positions by radio are, from how they agree with where the walker was expected:
+    /// a running mean of `(ν² − H P Hᵀ)/R` (Mehra 1972).
+    fn learn(&mut self, fix: &PositionFix, back: &Back, belief: f64) {
+        let Some(state) = self.bank.best().map(|best| &best.state).filter(|_| self.placed) else { return };
+        let seen = state.see_place(&fix.level_m, &fix.covariance_m2, &back.way_m);
+        let expected_m2 = state.position_covariance_m2();
+        let known_m2 = expected_m2[(0, 0)] + expected_m2[(1, 1)];
+        let told_m2 = fix.covariance_m2.trace();
+        let off_m2 = seen.residual.norm_squared().min(MOST_OFF * told_m2);
+        let shown = belief * (off_m2 - known_m2).max(0.0) / told_m2;
+        let kept = 1.0 - 1.0 / BELIEF_FIXES;
+        let next = kept * belief + (1.0 - kept) * shown;
+        self.belief[fix.source as usize] = next.clamp(BELIEF_LEAST, BELIEF_MOST);
+    }
+
     /// A position on the level.
     fn hold_fix(&mut self, carrier: &Carrier, fix: &PositionFix, back: &Back, report: &mut FusedReport) {
         report.fixes += 1;
         if !self.placed {
-            self.place(carrier, fix.time, &fix.level_m, &fix.covariance_m2, back);
+            let height = fix.height.map(|height| (height.up_m, height.sigma_m * height.sigma_m));
+            self.place(carrier, fix.time, (&fix.level_m, &fix.covariance_m2, height), back);
             return;
         }
         let bound = 2.0 * self.params.nis_bound;
@@ -377,13 +459,8 @@ impl Follower {
         if !self.placed {
             if let Some(fix) = self.position_of(links, None) {
                 let level = fix.covariance_m2.fixed_view::<2, 2>(0, 0).into_owned();
-                self.place(carrier, time, &fix.position_m.xy(), &level, back);
-                if self.placed {
-                    self.bank.change(|state| {
-                        state.position_m.z = fix.position_m.z;
-                        state.forget(UP, fix.covariance_m2[(2, 2)]);
-                    });
-                }
+                let height = Some((fix.position_m.z, fix.covariance_m2[(2, 2)]));
+                self.place(carrier, time, (&fix.position_m.xy(), &level, height), back);
             }
             return;
         }
@@ -422,19 +499,18 @@ impl Follower {
     fn reopen(&mut self, links: &[Link], back: &Back, report: &mut FusedReport) {
         report.reopened += 1;
         let Some(fix) = self.position_of(links, None) else {
-            let spread = Matrix2::identity() * (GAP_SPEED_M_S * GAP_SPEED_M_S * 25.0);
-            self.bank.change(|state| state.spread(&spread));
+            self.bank.reopen(REOPENED_M, REOPENED_M, 0.0);
             return;
         };
-        self.bank.change(|state| {
-            let moved = fix.position_m - state.before(&back.way_m);
-            state.position_m += moved;
-            for axis in [EAST, NORTH, UP] {
-                state.forget(axis, 0.0);
-            }
-            let mut block = state.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
-            block += fix.covariance_m2;
-        });
+        let Some(best) = self.bank.best() else { return };
+        let mut state = best.state.clone();
+        state.position_m += fix.position_m - state.before(&back.way_m);
+        for axis in [EAST, NORTH, UP] {
+            state.forget(axis, 0.0);
+        }
+        let mut block = state.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
+        block += fix.covariance_m2;
+        self.bank.start(state);
     }
 
     /// What a range is uncertain of, m: noise that is of this one alone, and what it has in common with those before it.
@@ -473,8 +549,7 @@ impl Follower {
         &mut self,
         carrier: &Carrier,
         time: Time,
-        level_m: &Vector2<f64>,
-        covariance_m2: &Matrix2<f64>,
+        (level_m, covariance_m2, height): (&Vector2<f64>, &Matrix2<f64>, Option<(f64, f64)>),
         back: &Back,
     ) {
         let Some(now) = &self.reckoned else { return };
@@ -505,7 +580,11 @@ impl Follower {
             return;
         }
         let found = search.found(&now.position_m.xy(), direction_rad2);
-        let state = self.found(carrier, &found);
+        let mut state = self.found(carrier, &found);
+        if let Some((up_m, variance)) = height {
+            state.position_m.z = up_m;
+            state.forget(UP, variance);
+        }
         self.bank.start(state);
         self.search = None;
         self.placed = true;
@@ -535,7 +614,7 @@ impl Follower {
     }
 
     /// Where the walker is now.
-    fn tell(&mut self, carrier: &Carrier) -> Result<Option<Solution>, MethodError> {
+    fn tell(&mut self) -> Result<Option<Solution>, MethodError> {
         let Some(now) = &self.reckoned else { return Ok(None) };
         if self.told.is_some_and(|told| now.time <= told) {
             return Ok(None);
@@ -547,29 +626,49 @@ impl Follower {
             self.told = Some(now.time);
             return Ok(Some(now.clone()));
         }
-        let Some(state) = self.bank.best() else { return Ok(None) };
+        if self.moved {
+            self.moved = false;
+            self.estimate = self.bank.estimate();
+        }
+        let (Some(estimate), Some(best)) = (self.estimate, self.bank.best()) else { return Ok(None) };
+        let state = &best.state;
         if !state.is_finite() {
             return Err(MethodError::Diverged { time: now.time });
         }
         let since_m = self.walked.map_or_else(Vector3::zeros, |walked| now.position_m - walked.way_m);
         let mut solution = now.clone();
-        solution.position_m = state.position_m + state.on_map(&since_m);
+        solution.position_m = estimate.position_m + state.on_map(&since_m);
         solution.velocity_m_s = state.on_map(&now.velocity_m_s);
         solution.attitude = attitude::exp(&(Vector3::z() * -state.turn_rad)) * now.attitude;
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&state.position_covariance_m2());
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&estimate.covariance_m2);
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {
             Quality::Lost => Quality::Lost,
-            _ if solution.radius_95_m() > self.params.lost_m => Quality::Lost,
+            _ if estimate.lost || solution.radius_95_m() > self.params.lost_m => Quality::Lost,
             _ if fresh => Quality::Fixed,
             _ => Quality::DeadReckoning,
         };
         self.told = Some(now.time);
-        let _ = carrier;
         Ok(Some(solution))
+    }
+}
+
+/// How the bank takes this carrier's way, and how high its tag is.
+fn bank_params(params: &FusedParams, carrier: &Carrier) -> BankParams {
+    let PlaceParams { above_floor_m, above_floor_sigma_m, .. } = params.place;
+    match carrier {
+        Carrier::Foot(_) | Carrier::Marg(_) => {
+            BankParams { tag_height_m: FOOT_M, tag_height_sigma_m: FOOT_M, ..BankParams::default() }
+        }
+        Carrier::Steps(_) => BankParams {
+            tag_height_m: above_floor_m,
+            tag_height_sigma_m: above_floor_sigma_m,
+            level_way: true,
+            ..BankParams::default()
+        },
     }
 }
 

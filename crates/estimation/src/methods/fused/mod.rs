@@ -21,6 +21,7 @@ mod evidence;
 mod follower;
 mod method;
 mod params;
+mod signals;
 
 pub use carrier::CarrierKind;
 pub use evidence::Process;

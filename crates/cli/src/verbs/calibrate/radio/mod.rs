@@ -9,8 +9,11 @@ pub mod pathloss;
 
 use crate::args::{LeaveOut, RadioArgs};
 use crate::output::{self, Target};
+use adit_estimation::radio::model::{FingerprintModel, PathLossModel};
+use adit_observation::survey::TransmitterPlace;
 use anyhow::Result;
 use data::{DataKind, RadioData};
+use std::path::{Path, PathBuf};
 
 /// One part to be judged on and the other to fit.
 struct Trial<'a> {
@@ -49,6 +52,24 @@ fn read(args: &RadioArgs) -> Result<(RadioData, Vec<RadioData>)> {
     let all = RadioData::read(&args.data)?;
     let tests = args.evaluate.iter().map(|path| RadioData::read_like(path, &all));
     Ok((all.clone(), tests.collect::<Result<_>>()?))
+}
+
+/// The path loss of the transmitters of logs with truth, whose places are those of a list.
+pub fn path_loss_of(logs: &[PathBuf], places: &[TransmitterPlace], list: &Path) -> Result<PathLossModel> {
+    let data = RadioData::read(logs)?;
+    let sites = data::sites(&data, places, list)?;
+    Ok(pathloss::model(&data, &models::SiteModels::new(&data, &sites)?))
+}
+
+/// A radio map of logs with truth.
+pub fn fingerprints_of(
+    logs: &[PathBuf],
+    places: &[TransmitterPlace],
+    list: &Path,
+) -> Result<FingerprintModel> {
+    let data = RadioData::read(logs)?;
+    let sites = data::sites(&data, places, list)?;
+    Ok(fingerprint::model(&data, &fingerprint::SiteMaps::new(&data, &sites)?))
 }
 
 /// Writes the file, then the report: to stderr where stdout has the file.
