@@ -1,6 +1,6 @@
 //! One run through a blackout in a few numbers.
 
-use crate::tracked::{Moment, Scenario, Simulated};
+use crate::tracked::{Moment, Nis, Scenario, Simulated};
 use adit_core::solution::Quality;
 use adit_evaluation::travel::chord_length_m;
 use anyhow::{Context, Result};
@@ -70,6 +70,8 @@ pub struct DarkHour {
     pub jumps: u32,
     /// The largest such step, as a share of the radius before it.
     pub largest_jump: f64,
+    /// Mean normalised innovation squared by degree of freedom, as the method tells it; 1 is honest.
+    pub nis: Option<f64>,
     /// When it was found again; none when it never was.
     pub back: Option<Back>,
 }
@@ -113,7 +115,7 @@ impl Part {
 
 impl DarkHour {
     /// Of the moments of a run.
-    pub fn of(seed: u64, moments: &[Moment], simulated: &Simulated, dark: &Dark) -> Self {
+    pub fn of(seed: u64, moments: &[Moment], nis: Nis, simulated: &Simulated, dark: &Dark) -> Self {
         let settled = || moments.iter().filter(|moment| moment.time_s >= SETTLED_S);
         let inside = || moments.iter().filter(|moment| dark.holds(moment.time_s));
         let count = |some: usize, of: usize| some as f64 / of.max(1) as f64;
@@ -152,6 +154,7 @@ impl DarkHour {
             ),
             jumps: u32::try_from(steps.clone().filter(|share| *share > 1.0).count()).unwrap_or(u32::MAX),
             largest_jump: steps.fold(0.0, f64::max),
+            nis: (nis.count > 0.0).then(|| nis.sum / nis.count),
             back,
         }
     }

@@ -33,6 +33,32 @@ pub struct Contender {
     method: String,
     config: Table,
     nlos: Option<String>,
+    /// Person whose log tells how ranges err, from 1.
+    calibrate: Option<usize>,
+}
+
+/// Normalised innovations squared of a run: how many, and their sum.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Nis {
+    /// Degrees of freedom.
+    pub count: f64,
+    /// Sum.
+    pub sum: f64,
+}
+
+/// What is forgiven before a path is held against the truth.
+#[derive(Debug, Clone, Copy)]
+pub enum Laid {
+    /// Nothing, but a path that begins wherever it likes is laid on the truth by the last `walked_m` that were walked before `until_s`: as if
+    /// fixes had told place and heading until then.
+    Before {
+        /// Until then, s.
+        until_s: f64,
+        /// By so much of the way, m.
+        walked_m: f64,
+    },
+    /// Place and heading at the start.
+    Start,
 }
 
 /// A scenario file.
@@ -98,7 +124,13 @@ impl Scenario {
             for method in methods {
                 if !contenders.iter().any(|contender| contender.method == *method) {
                     let (name, method) = (method.clone(), method.clone());
-                    contenders.push(Contender { name, method, config: Table::new(), nlos: None });
+                    contenders.push(Contender {
+                        name,
+                        method,
+                        config: Table::new(),
+                        nlos: None,
+                        calibrate: None,
+                    });
                 }
             }
         }
@@ -124,21 +156,32 @@ impl Scenario {
         if let Some(over) = run.get("config").and_then(Value::as_table) {
             merge(&mut config, over);
         }
-        Ok(Contender {
-            name: text("name").unwrap_or_else(|| method.clone()),
-            method,
-            config,
-            nlos: text("nlos"),
-        })
+        let calibrate = run.get("calibrate").and_then(Value::as_integer);
+        let calibrate = calibrate.map(usize::try_from).transpose()?;
+        let name = text("name").unwrap_or_else(|| method.clone());
+        Ok(Contender { name, method, config, nlos: text("nlos"), calibrate })
     }
 
-    /// Makes log and truth of the first person.
+    /// What `[compare]` says under a name.
+    pub fn of_compare(&self, key: &str) -> Option<&Value> {
+        self.table.get("compare")?.get(key)
+    }
+
+    /// Makes log and truth of the person that is compared.
     pub fn simulate(&self, adit: &Path, seed: u64) -> Result<Simulated> {
         let folder = TempDir::new()?;
+        let person = self.of_compare("person").and_then(Value::as_integer).unwrap_or(1);
         let (file, out, seed) = (path(&self.file)?, path(folder.path())?, seed.to_string());
-        run(adit, &["simulate", &file, "-o", &out, "--seed", &seed, "--people", "1"])?;
+        let mut args = vec!["simulate", &file, "-o", &out, "--seed", &seed];
+        // All of few, since one may tell another how ranges err; else the others are in the way, but not written.
+        let one = person.to_string();
+        if self.of_mine("population").is_some_and(|population| population.get("people").is_some()) {
+            args.extend(["--people", &one]);
+        }
+        run(adit, &args)?;
         let alone = folder.path().join("log.mcap");
-        let log = if alone.exists() { alone } else { folder.path().join("p001").join("log.mcap") };
+        let log =
+            if alone.exists() { alone } else { folder.path().join(format!("p{person:03}")).join("log.mcap") };
         let truth = truth::read(log.with_file_name("truth.tum"))?.trajectory;
         let ranges = fs::read_to_string(log.with_file_name("ranges_truth.csv")).unwrap_or_default();
         let times = ranges.lines().skip(1).filter_map(|row| row.split(',').next()?.parse().ok());
@@ -155,38 +198,45 @@ impl Simulated {
         Ok(adit_mine::file::open(&self.folder.path().join("mine.json"))?.0)
     }
 
-    /// A contender's run. A path that begins wherever it likes is laid on the truth by the last `align_m` that were walked before
-    /// `align_s`: as if fixes had told place and heading until then.
-    pub fn track(
-        &self,
-        adit: &Path,
-        contender: &Contender,
-        (align_s, align_m): (f64, f64),
-    ) -> Result<Vec<Moment>> {
+    /// A contender's run.
+    pub fn track(&self, adit: &Path, contender: &Contender, laid: Laid) -> Result<(Vec<Moment>, Nis)> {
         let beside = |name: &str| self.folder.path().join(name);
         let (config, solutions) = (beside("config.toml"), beside("solutions.csv"));
         fs::write(&config, toml::to_string(&contender.config)?)?;
-        let texts = [&self.log, &beside("path.tum"), &config, &solutions, &beside("mine.json")]
-            .map(|file| path(file));
-        let [log, out, config, covariance, mine] = texts;
-        let (log, out, config, covariance, mine) = (log?, out?, config?, covariance?, mine?);
+        let (log, out, config) = (path(&self.log)?, path(&beside("path.tum"))?, path(&config)?);
+        let (covariance, mine) = (path(&solutions)?, path(&beside("mine.json"))?);
+        let (report, ranges) = (path(&beside("report.json"))?, path(&beside("ranges.toml"))?);
         let mut args = vec!["track", &log, "--method", &contender.method, "-o", &out, "--config", &config];
-        args.extend(["--covariance", &covariance, "--every", EVERY_S]);
+        args.extend(["--covariance", &covariance, "--every", EVERY_S, "--json", &report]);
         if !contender.starts_anywhere() && beside("mine.json").exists() {
             args.extend(["--mine", &mine]);
         }
         if let Some(model) = &contender.nlos {
             args.extend(["--nlos", model]);
         }
+        if let Some(person) = contender.calibrate {
+            let teacher = path(&beside(&format!("p{person:03}")).join("log.mcap"))?;
+            run(adit, &["calibrate", "range", &teacher, "-o", &ranges])?;
+            args.extend(["--radio", &ranges]);
+        }
         run(adit, &args)?;
-        let motion = if contender.starts_anywhere() {
-            self.truth_onto(&truth::read(beside("path.tum"))?.trajectory, align_s, align_m)?
-        } else {
-            RigidMotion::identity()
+        let estimate = || Ok::<_, anyhow::Error>(truth::read(beside("path.tum"))?.trajectory);
+        let motion = match laid {
+            Laid::Before { until_s, walked_m } if contender.starts_anywhere() => {
+                self.truth_onto(&estimate()?, until_s, walked_m)?
+            }
+            Laid::Start => {
+                let pairs = associate(&self.truth, &estimate()?, &Association::default())?.pairs;
+                align(&pairs, Alignment::Start, 1.0)?
+            }
+            Laid::Before { .. } => RigidMotion::identity(),
         };
         let moments = self.moments(&solutions, &motion)?;
         fs::remove_file(&solutions)?;
-        Ok(moments)
+        let told: serde_json::Value = serde_json::from_str(&fs::read_to_string(beside("report.json"))?)?;
+        let number = |key: &str| told["nis"][key].as_f64().unwrap_or(0.0);
+        let dimension = told["nis"]["dimension"].as_f64().unwrap_or(1.0);
+        Ok((moments, Nis { count: dimension * number("count"), sum: number("sum") }))
     }
 
     /// The motion that puts the truth on an estimate, by the last `walked_m` before `until_s`.

@@ -11,7 +11,7 @@ use crate::progress::{self, Progress, Unit};
 use crate::radio_site;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Pose;
-use adit_estimation::methods::{Estimates, MethodReport, MethodSettings};
+use adit_estimation::methods::{Estimates, MethodReport, MethodSettings, Nis};
 use adit_observation::Observation;
 use adit_observation::solution_csv::SolutionWriter;
 use adit_observation::tum::TumWriter;
@@ -61,6 +61,8 @@ pub struct TrackReport {
     end_heading_sigma_deg: Option<f64>,
     end_inclination_sigma_deg: Option<f64>,
     share_at_rest: Option<f64>,
+    /// Normalised innovations squared of the measurements used, where the method tells.
+    nis: Option<Nis>,
     elapsed_s: f64,
     times_real_time: f64,
     warnings: Vec<String>,
@@ -294,6 +296,7 @@ fn report<S: MethodSettings>(
         end_heading_sigma_deg: journey.heading_sigma_rad().map(f64::to_degrees).filter(|_| turned),
         end_inclination_sigma_deg: journey.inclination_sigma_rad().map(f64::to_degrees).filter(|_| turned),
         share_at_rest: run.report.share_at_rest(),
+        nis: run.report.nis(),
         elapsed_s,
         times_real_time: journey.duration_s() / elapsed_s.max(f64::MIN_POSITIVE),
         warnings,
