@@ -5,6 +5,7 @@
 //! - [`inertial`]: alignment at rest, strapdown integration, the error-state filter and its smoother.
 //! - [`magnetic`]: the field as a compass, and when not to believe it.
 //! - [`pedestrian`]: what is true of people: when a foot stands still.
+//! - [`place`]: what dead reckoning cannot observe, held by everything else: hypotheses of place, heading and scale.
 //! - [`radio`]: position from signal strengths and round-trip ranges.
 //! - [`ranging`]: position in space from ranges to anchors, as UWB measures them.
 //! - [`methods`]: the published systems and adit's own, each readable whole in one file.
@@ -20,6 +21,7 @@ pub mod kalman;
 pub mod magnetic;
 pub mod methods;
 pub mod pedestrian;
+pub mod place;
 pub mod radio;
 pub mod ranging;
 mod settings;

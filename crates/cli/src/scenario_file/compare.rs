@@ -48,6 +48,8 @@ pub struct RunEntry {
     #[serde(default)]
     config: toml::Table,
     config_file: Option<PathBuf>,
+    /// Table of the settings that the file is of, where the method has parts that are methods themselves.
+    config_of: Option<String>,
     #[serde(default = "yes")]
     figures: bool,
     /// Optimiser that tunes it first.
@@ -154,8 +156,19 @@ impl Contender {
     }
 
     fn of(entry: &Spanned<RunEntry>, source: &Source) -> Result<Self> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey, calibrate, nlos, only } =
-            entry.get_ref();
+        let RunEntry {
+            name,
+            method,
+            config,
+            config_file,
+            config_of,
+            figures,
+            tune,
+            survey,
+            calibrate,
+            nlos,
+            only,
+        } = entry.get_ref();
         let mut settings = match config_file {
             None => toml::Table::new(),
             Some(file) => {
@@ -163,6 +176,9 @@ impl Contender {
                 config::parse(&path, &config::text(&path)?)?
             }
         };
+        if let Some(part) = config_of {
+            settings = toml::Table::from_iter([(part.clone(), toml::Value::Table(settings))]);
+        }
         config::merge(&mut settings, config.clone());
         Ok(Self {
             name: name.clone().unwrap_or_else(|| method.name().to_owned()),

@@ -1,0 +1,508 @@
+//! One hypothesis of where somebody is: state, covariance, and what each kind of observation does to them.
+//!
+//! ```text
+//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o ]
+//! p ← p + (κ R(ψ + η) Δ_level, Δ_up),   R(θ) = |  cos θ  sin θ |    (θ clockwise, as headings are)
+//!                                             | −sin θ  cos θ |
+//! η ← η + ρ Δt                                  while the gyro alone holds the heading
+//! η ← η exp(−Δt/T)                              while a magnetometer holds it
+//! ```
+//!
+//! Δ is the way of the carrier in its own frame, ψ the angle that its frame is turned by, η the error of its heading, ρ the rate at which that drifts, κ the factor of its
+//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late, o by how much the tag hears every
+//! signal too strong. Zero velocity makes all of a strapdown but position and heading observable
+//! (Nilsson, Zachariah, Skog & Händel 2013): these states are what is left. The error is truth minus estimate.
+//!
+//! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
+
+use crate::kalman::dense::propagate;
+use crate::radio::Emitter;
+use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
+use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use core::f64::consts::FRAC_1_SQRT_2;
+use serde::{Deserialize, Serialize};
+
+/// States of the error.
+pub const STATES: usize = 11;
+/// East, the first of three components of the position.
+pub const EAST: usize = 0;
+/// North.
+pub const NORTH: usize = 1;
+/// Up.
+pub const UP: usize = 2;
+/// ψ: by how much the carrier's frame is turned, rad.
+pub const TURN: usize = 3;
+/// η: error of the carrier's heading, rad.
+pub const HEADING: usize = 4;
+/// ρ: rate at which that drifts, rad/s.
+pub const DRIFT: usize = 5;
+/// κ: metres walked for each metre of the carrier's.
+pub const FACTOR: usize = 6;
+/// b: what the height by the barometer reads too much, m.
+pub const BAROMETER: usize = 7;
+/// c: what all ranges read too long, m.
+pub const COMMON: usize = 8;
+/// τ: by how much ranges are stamped late, s.
+pub const CLOCK: usize = 9;
+/// o: by how much the tag hears every signal too strong, dB.
+pub const HEARING: usize = 10;
+
+/// The factor stays a factor.
+const FACTORS: (f64, f64) = (0.3, 3.0);
+/// Standard deviations up to which the tail of the normal distribution has digits.
+const FAR: f64 = 30.0;
+/// √2π.
+const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
+/// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
+const ALONG: f64 = 0.707;
+/// Nearer to an anchor than this, m, a range has no direction any more.
+const NEAREST_M: f64 = 0.05;
+
+/// An error state.
+pub type Vector = SVector<f64, STATES>;
+/// Its covariance.
+pub type Covariance = SMatrix<f64, STATES, STATES>;
+
+/// Part of a way of the carrier.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// The way in the carrier's frame (level two axes, up), m.
+    pub way_m: Vector3<f64>,
+    /// How long it took, s.
+    pub interval_s: f64,
+    /// White error along the way, m²: of this stretch alone.
+    pub along_m2: f64,
+    /// White error across it, m².
+    pub across_m2: f64,
+    /// White error upwards, m².
+    pub up_m2: f64,
+    /// Whoever stands shifts about: on each level axis, m².
+    pub about_m2: f64,
+    /// How the heading's error goes on.
+    pub heading: HeadingError,
+    /// Random walk of the turn, rad².
+    pub turn_rad2: f64,
+    /// Random walk of the factor.
+    pub factor2: f64,
+    /// Random walk of the barometer's offset, m².
+    pub barometer_m2: f64,
+}
+
+/// How the error of a carrier's heading goes on over a stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HeadingError {
+    /// The gyro holds it: it drifts, and walks by this much, rad².
+    Gyro {
+        /// Random walk, rad².
+        walk_rad2: f64,
+    },
+    /// A magnetometer holds it: an error of this variance, of which this share is left from before.
+    Magnetic {
+        /// Variance of the heading, rad².
+        variance_rad2: f64,
+        /// Share that is left.
+        kept: f64,
+    },
+}
+
+/// A measurement, linearised: `residual = h · δx + noise`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen<const M: usize> {
+    /// Measured minus predicted.
+    pub residual: SVector<f64, M>,
+    /// Derivative by the error state, a row each.
+    pub jacobian: SMatrix<f64, M, STATES>,
+    /// Covariance of the noise.
+    pub noise: SMatrix<f64, M, M>,
+}
+
+/// What the carrier did since an observation.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Back {
+    /// Its way since, in its own frame, m.
+    pub way_m: Vector3<f64>,
+    /// Its velocity at the time of the observation, m/s.
+    pub velocity_m_s: Vector3<f64>,
+}
+
+/// An expected distance.
+struct Sphere {
+    expected_m: f64,
+    spread_m2: f64,
+    jacobian: SMatrix<f64, 1, STATES>,
+}
+
+/// What an update did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taken {
+    /// Normalised innovation squared, before any widening.
+    pub nis: f64,
+    /// Logarithm of the likelihood, of a Student distribution where the update was robust.
+    pub log_likelihood: f64,
+    /// By what the noise was widened, 1 or more.
+    pub widened: f64,
+}
+
+/// State and covariance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// East, north, up, m.
+    pub position_m: Vector3<f64>,
+    /// ψ + η, rad clockwise.
+    pub turn_rad: f64,
+    /// ρ, rad/s.
+    pub drift_rad_s: f64,
+    /// κ.
+    pub factor: f64,
+    /// b, m.
+    pub barometer_m: f64,
+    /// c, m.
+    pub common_m: f64,
+    /// τ, s.
+    pub clock_s: f64,
+    /// o, dB.
+    pub hearing_db: f64,
+    /// Covariance of the error.
+    pub covariance: Covariance,
+}
+
+impl State {
+    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s, dB; squared).
+    pub fn new(variances: &Vector) -> Self {
+        Self {
+            position_m: Vector3::zeros(),
+            turn_rad: 0.0,
+            drift_rad_s: 0.0,
+            factor: 1.0,
+            barometer_m: 0.0,
+            common_m: 0.0,
+            clock_s: 0.0,
+            hearing_db: 0.0,
+            covariance: Covariance::from_diagonal(variances),
+        }
+    }
+
+    /// A way of the carrier as it is on the map, less its errors: turned and stretched, m.
+    pub fn on_map(&self, way_m: &Vector3<f64>) -> Vector3<f64> {
+        let (sin, cos) = libm::sincos(self.turn_rad);
+        let (east, north) = (cos * way_m.x + sin * way_m.y, cos * way_m.y - sin * way_m.x);
+        Vector3::new(self.factor * east, self.factor * north, way_m.z)
+    }
+
+    /// Where somebody was before this way of the carrier, m.
+    pub fn before(&self, way_m: &Vector3<f64>) -> Vector3<f64> {
+        self.position_m - self.on_map(way_m)
+    }
+
+    /// Moves along a stretch; gives the displacement, m.
+    pub fn walk(&mut self, stretch: &Stretch) -> Vector3<f64> {
+        self.walk_along(stretch, None)
+    }
+
+    /// The same of somebody on a roadway in this direction (unit vector, either sense): the covariance is that of a way along it.
+    ///
+    /// Taken at the estimated direction, an error of the heading would make the length of the way seem to be seen across the roadway; and always too short, for what zigzags
+    /// fits better when it shrinks (an inconsistent linearisation as in Huang, Mourikis & Roumeliotis 2010).
+    pub fn walk_along(&mut self, stretch: &Stretch, roadway: Option<&Vector2<f64>>) -> Vector3<f64> {
+        let walked = self.on_map(&stretch.way_m);
+        self.position_m += walked;
+        let length_m = walked.xy().norm();
+        let on_roadway = roadway.map(|direction| (direction, direction.dot(&walked.xy())));
+        let level = match on_roadway {
+            Some((direction, along_m)) if along_m.abs() > ALONG * length_m => {
+                direction * libm::copysign(length_m, along_m)
+            }
+            _ => walked.xy(),
+        };
+        let (turned, stretched) = (Vector2::new(level.y, -level.x), level / self.factor);
+        let (dt, kept, drifts) = match stretch.heading {
+            HeadingError::Gyro { .. } => (stretch.interval_s, 1.0, 1.0),
+            HeadingError::Magnetic { kept, .. } => (0.0, kept, 0.0),
+        };
+        self.turn_rad += self.drift_rad_s * dt * drifts;
+        propagate(&mut self.covariance, |error| {
+            let angle = error[TURN] + error[HEADING];
+            let mut carried = *error;
+            carried[EAST] += stretched.x * error[FACTOR] + turned.x * angle;
+            carried[NORTH] += stretched.y * error[FACTOR] + turned.y * angle;
+            carried[HEADING] = error[HEADING] * kept + error[DRIFT] * dt;
+            carried
+        });
+        if length_m > 0.0 {
+            let (along, across) = (level / length_m, turned / length_m);
+            let white = along * along.transpose() * stretch.along_m2
+                + across * across.transpose() * stretch.across_m2;
+            self.spread(&white);
+        }
+        self.spread(&(Matrix2::identity() * stretch.about_m2));
+        let p = &mut self.covariance;
+        p[(UP, UP)] += stretch.up_m2;
+        p[(TURN, TURN)] += stretch.turn_rad2;
+        p[(FACTOR, FACTOR)] += stretch.factor2;
+        p[(BAROMETER, BAROMETER)] += stretch.barometer_m2;
+        p[(HEADING, HEADING)] += match stretch.heading {
+            HeadingError::Gyro { walk_rad2 } => walk_rad2,
+            HeadingError::Magnetic { variance_rad2, kept } => variance_rad2 * (1.0 - kept * kept),
+        };
+        walked
+    }
+
+    /// Adds to the covariance of the level position, m².
+    pub fn spread(&mut self, covariance_m2: &Matrix2<f64>) {
+        let mut block = self.covariance.fixed_view_mut::<2, 2>(EAST, EAST);
+        block += covariance_m2;
+    }
+
+    /// Derivative of the position before a way of the carrier by the error state: 3×11.
+    fn before_by(&self, way_m: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
+        let since = self.on_map(way_m);
+        let mut by = SMatrix::<f64, 3, STATES>::zeros();
+        by.fixed_view_mut::<3, 3>(0, EAST).copy_from(&Matrix3::identity());
+        for (axis, turned) in [(EAST, since.y), (NORTH, -since.x)] {
+            by[(axis, TURN)] = -turned;
+            by[(axis, HEADING)] = -turned;
+            by[(axis, FACTOR)] = -since[axis] / self.factor;
+        }
+        by
+    }
+
+    /// A position on the level, m, with its covariance, m², from before `way_m`.
+    pub fn see_place(
+        &self,
+        place_m: &Vector2<f64>,
+        covariance_m2: &Matrix2<f64>,
+        way_m: &Vector3<f64>,
+    ) -> Seen<2> {
+        Seen {
+            residual: place_m - self.before(way_m).xy(),
+            jacobian: self.before_by(way_m).fixed_rows::<2>(0).into_owned(),
+            noise: *covariance_m2,
+        }
+    }
+
+    /// How far along a direction (unit vector) the position before `way_m` lies from a point, m; it is known to be `value_m` by `sigma_m`.
+    pub fn see_along(
+        &self,
+        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
+        (value_m, sigma_m): (f64, f64),
+        way_m: &Vector3<f64>,
+    ) -> Seen<1> {
+        let predicted = direction.dot(&(self.before(way_m) - point_m));
+        Seen {
+            residual: SVector::<f64, 1>::new(value_m - predicted),
+            jacobian: direction.transpose() * self.before_by(way_m),
+            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m),
+        }
+    }
+
+    /// A height by the barometer, m.
+    pub fn see_height(&self, height_m: f64, sigma_m: f64, way_m: &Vector3<f64>) -> Seen<1> {
+        let mut seen =
+            self.see_along((&Vector3::zeros(), &Vector3::z()), (height_m - self.barometer_m, sigma_m), way_m);
+        seen.jacobian[(0, BAROMETER)] = 1.0;
+        seen
+    }
+
+    /// A range to an anchor, m: `r = ‖p − v τ − a‖ + ½ tr(M P) + c + e`.
+    ///
+    /// `M = (I − u uᵀ)/d` is the curvature of the sphere; its second moment `½ tr(M P M P)` is noise (Jazwinski 1970, §9.3).
+    pub fn see_range(&self, anchor_m: &Vector3<f64>, (range_m, sigma_m): (f64, f64), back: &Back) -> Seen<1> {
+        let sphere = self.sphere(anchor_m, back);
+        let mut jacobian = sphere.jacobian;
+        jacobian[(0, COMMON)] = 1.0;
+        Seen {
+            residual: SVector::<f64, 1>::new(range_m - sphere.expected_m - self.common_m),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + sphere.spread_m2),
+        }
+    }
+
+    /// The difference of two ranges, to the first anchor less to the second, m.
+    pub fn see_difference(
+        &self,
+        [first_m, second_m]: [&Vector3<f64>; 2],
+        (difference_m, sigma_m): (f64, f64),
+        back: &Back,
+    ) -> Seen<1> {
+        let (first, second) = (self.sphere(first_m, back), self.sphere(second_m, back));
+        Seen {
+            residual: SVector::<f64, 1>::new(difference_m - (first.expected_m - second.expected_m)),
+            jacobian: first.jacobian - second.jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + first.spread_m2 + second.spread_m2),
+        }
+    }
+
+    /// A signal strength, dBm: `P(‖p − a‖) + o + e`, P the path loss, over a level distance and a height above the tag.
+    ///
+    /// Near the transmitter the logarithm bends; what is not known of the place smooths it, and its second moment is noise.
+    pub fn see_signal(
+        &self,
+        emitter: &Emitter,
+        (rssi_dbm, sigma_db): (f64, f64),
+        way_m: &Vector3<f64>,
+    ) -> Seen<1> {
+        let away = self.before(way_m).xy() - emitter.position_m.xy();
+        let spread_m2 = self.covariance.fixed_view::<2, 2>(EAST, EAST).trace();
+        let square_m2 = away.norm_squared() + emitter.position_m.z * emitter.position_m.z;
+        let smooth_m2 = (square_m2 + spread_m2).max(NEAREST_M * NEAREST_M);
+        let fall_db = fall_db(&emitter.path_loss, libm::sqrt(smooth_m2));
+        let slope = away * (-fall_db / smooth_m2);
+        let mut jacobian = slope.transpose() * self.before_by(way_m).fixed_rows::<2>(0);
+        jacobian[(0, HEARING)] = 1.0;
+        let bent_db = 0.5 * fall_db * spread_m2 / smooth_m2;
+        Seen {
+            residual: SVector::<f64, 1>::new(
+                rssi_dbm - mean_of_square_dbm(&emitter.path_loss, square_m2) - self.hearing_db,
+            ),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_db * sigma_db + bent_db * bent_db),
+        }
+    }
+
+    /// What a distance from an anchor is expected to be.
+    fn sphere(&self, anchor_m: &Vector3<f64>, back: &Back) -> Sphere {
+        let velocity_m_s = self.on_map(&back.velocity_m_s);
+        let away = self.before(&back.way_m) - velocity_m_s * self.clock_s - anchor_m;
+        let distance_m = away.norm().max(NEAREST_M);
+        let toward = away / distance_m;
+        let curvature = (Matrix3::identity() - toward * toward.transpose()) / distance_m;
+        let bent = curvature * self.position_covariance_m2();
+        let mut jacobian = toward.transpose() * self.before_by(&back.way_m);
+        jacobian[(0, CLOCK)] = -toward.dot(&velocity_m_s);
+        Sphere {
+            expected_m: distance_m + 0.5 * bent.trace(),
+            spread_m2: 0.5 * (bent * bent).trace(),
+            jacobian,
+        }
+    }
+
+    /// Takes a measurement. Where its normalised innovation squared exceeds `bound` its noise grows until it does not (Huber 1964): an outlier pulls no more than one at the
+    /// bound. `None` when the covariance of the innovation has no Cholesky factor; nothing changes then.
+    pub fn take<const M: usize>(&mut self, seen: &Seen<M>, bound: f64) -> Option<Taken> {
+        let cross = self.covariance * seen.jacobian.transpose();
+        let innovation = seen.jacobian * cross + seen.noise;
+        let factor = innovation.cholesky()?;
+        let nis = seen.residual.dot(&factor.solve(&seen.residual));
+        let widened = (nis / bound).max(1.0);
+        let log_root: f64 = (0..M).map(|i| libm::log(factor.l_dirty()[(i, i)])).sum();
+        let dimension = M as f64;
+        let log_likelihood = -log_root - 0.5 * (DOF + dimension) * libm::log1p(nis / DOF);
+        let gain = factor.solve(&cross.transpose()).transpose() / widened;
+        // P ← P − K S K', and with a widened S: K = P H'/(w S), P ← P − w K S K'.
+        self.covariance -= gain * cross.transpose();
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(gain * seen.residual));
+        Some(Taken { nis, log_likelihood, widened })
+    }
+
+    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
+    /// (Simon & Simon 2010, for one bound): `μ − σλ`, `σ² (1 − λ(λ − β))`, `λ = φ(β)/Φ(−β)`, β how many σ the mean lies beyond. Gives β and `ln Φ(−β)`. Nothing is corrected
+    /// where β exceeds `most`; `None` when nothing is known of the position.
+    pub fn keep_within(
+        &mut self,
+        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
+        limit_m: f64,
+        most: f64,
+    ) -> Option<(f64, f64)> {
+        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
+        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
+        let sigma = libm::sqrt(variance);
+        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
+        if !beyond.is_finite() {
+            return None;
+        }
+        let within = 0.5 * libm::erfc(beyond * FRAC_1_SQRT_2);
+        if beyond > most.min(FAR) {
+            return Some((beyond, libm::log(within.max(f64::MIN_POSITIVE))));
+        }
+        let ratio = libm::exp(-0.5 * beyond * beyond) / (SQRT_TAU * within);
+        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
+        self.covariance -= cross * cross.transpose() * (lost / variance);
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(cross * (-ratio / sigma)));
+        Some((beyond, libm::log(within)))
+    }
+
+    /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.
+    pub fn judge<const M: usize>(&self, seen: &Seen<M>) -> Option<(f64, f64)> {
+        let innovation = seen.jacobian * self.covariance * seen.jacobian.transpose() + seen.noise;
+        let factor = innovation.cholesky()?;
+        let nis = seen.residual.dot(&factor.solve(&seen.residual));
+        let log_root: f64 = (0..M).map(|i| libm::log(factor.l_dirty()[(i, i)])).sum();
+        Some((nis, -log_root - 0.5 * (DOF + M as f64) * libm::log1p(nis / DOF)))
+    }
+
+    fn feed_back(&mut self, correction: &Vector) {
+        self.position_m += correction.fixed_rows::<3>(EAST);
+        self.turn_rad += correction[TURN] + correction[HEADING];
+        self.drift_rad_s += correction[DRIFT];
+        self.factor = (self.factor + correction[FACTOR]).clamp(FACTORS.0, FACTORS.1);
+        self.barometer_m += correction[BAROMETER];
+        self.common_m += correction[COMMON];
+        self.clock_s += correction[CLOCK];
+        self.hearing_db += correction[HEARING];
+    }
+
+    /// The two moments of a mixture of this state and another, which has this share of it.
+    pub fn join(&mut self, other: &Self, share: f64) {
+        let p = &self.covariance;
+        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
+        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
+        let of_turn =
+            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
+        let apart_m = other.position_m - self.position_m;
+        let mut apart = Vector::zeros();
+        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
+        apart[TURN] = of_turn;
+        apart[HEADING] = turned - of_turn;
+        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
+        apart[FACTOR] = other.factor - self.factor;
+        apart[BAROMETER] = other.barometer_m - self.barometer_m;
+        apart[COMMON] = other.common_m - self.common_m;
+        self.covariance = self.covariance * (1.0 - share)
+            + other.covariance * share
+            + apart * apart.transpose() * (share * (1.0 - share));
+        symmetrise(&mut self.covariance);
+        self.feed_back(&(apart * share));
+    }
+
+    /// Nothing is known of a state but this variance: its error is that of nothing else.
+    pub fn forget(&mut self, index: usize, variance: f64) {
+        self.covariance.row_mut(index).fill(0.0);
+        self.covariance.column_mut(index).fill(0.0);
+        self.covariance[(index, index)] = variance;
+    }
+
+    /// Covariance of the position, m².
+    pub fn position_covariance_m2(&self) -> Matrix3<f64> {
+        self.covariance.fixed_view::<3, 3>(EAST, EAST).into_owned()
+    }
+
+    /// Variance of the direction of the way, ψ + η, rad².
+    pub fn direction_rad2(&self) -> f64 {
+        let p = &self.covariance;
+        p[(TURN, TURN)] + 2.0 * p[(TURN, HEADING)] + p[(HEADING, HEADING)]
+    }
+
+    /// No number has been lost.
+    pub fn is_finite(&self) -> bool {
+        self.position_m.iter().chain(self.covariance.iter()).all(|value| value.is_finite())
+            && [self.turn_rad, self.factor, self.barometer_m, self.common_m]
+                .iter()
+                .all(|value| value.is_finite())
+    }
+}
+
+/// Degrees of freedom of Student's t by which hypotheses are compared: one wrong measurement must not decide.
+const DOF: f64 = 4.0;
+
+/// Rounding leaves the halves a bit apart, and what is apart grows.
+fn symmetrise(matrix: &mut Covariance) {
+    for column in 0..STATES {
+        for row in 0..column {
+            let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
+            matrix[(row, column)] = mean;
+            matrix[(column, row)] = mean;
+        }
+    }
+}
