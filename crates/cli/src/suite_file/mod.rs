@@ -5,7 +5,7 @@
 //! title = "Every method on everything"
 //! about = "One paragraph over the opening table."
 //! data = "../../shared/data"            # recorded sets, beside this file, where ADIT_DATA is not set
-//! runs = [{ method = "fused" }]         # enters every part, before its own
+//! runs = [{ method = "fused" }]         # enters every part that has no contender of this name, before its own
 //!
 //! [[parts]]
 //! name = "S2"
@@ -200,10 +200,11 @@ impl Part {
             contest.moments.every_s = source.every_s(every_s)?;
         }
         let own = Contender::all(&at.runs, source)?;
-        let replaced = |contender: &Contender| own.iter().any(|other| other.name == contender.name);
-        contest.contenders.retain(|contender| !replaced(contender));
-        let first = everywhere.iter().filter(|contender| !replaced(contender)).cloned();
-        contest.contenders = first.chain(contest.contenders).chain(own.iter().cloned()).collect();
+        let named = |all: &[Contender], name: &str| all.iter().any(|other| other.name == name);
+        contest.contenders.retain(|contender| !named(&own, &contender.name));
+        contest.contenders.extend(own);
+        let further = everywhere.iter().filter(|contender| !named(&contest.contenders, &contender.name));
+        contest.contenders.splice(0..0, further.cloned().collect::<Vec<_>>());
         if contest.contenders.is_empty() {
             let what = format!("part \"{}\" has no contenders: add `runs`", at.name.get_ref());
             return Err(source.error(&at.name.span(), &what));

@@ -61,6 +61,11 @@ fn parts_say_what_is_run_and_how_it_is_judged() {
     assert_eq!(names(recorded), ["first", "marg-ins", "again"]);
     assert_eq!(recorded.table(), [("marg-ins".to_owned(), "again".to_owned())]);
     assert_eq!(simulated.table().len(), 2);
+    // The scenario's own of that name goes before the one that enters everywhere.
+    let own = SUITE.replacen("name = \"first\", ", "", 1).replace("first = {", "marg-ins = {");
+    let own = read(&own.replace("keep = [\"marg-ins\"]", "keep = [\"foot-ins\", \"marg-ins\"]")).unwrap();
+    assert_eq!(names(&own.parts[0]), ["foot-ins", "marg-ins"]);
+    assert_eq!(names(&own.parts[1]), ["foot-ins", "marg-ins", "again"]);
     assert_eq!(recorded.contest.align, Some(Alignment::Se3));
     let PartSource::Recorded(set) = &recorded.source else { panic!("a set") };
     assert_eq!((set.within.as_deref(), set.truth.as_deref()), (Some("ranges"), Some("truth")));
