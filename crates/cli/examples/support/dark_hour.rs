@@ -141,7 +141,7 @@ impl DarkHour {
             walked_m: chord_length_m(&walked),
             before: Part::of(settled().filter(|moment| moment.time_s < dark.from_s)),
             after: Part::of(settled().filter(|moment| moment.time_s >= dark.until_s)),
-            end_m: inside().last().map_or(f64::NAN, |moment| moment.error_m.norm()),
+            end_m: inside().next_back().map_or(f64::NAN, |moment| moment.error_m.norm()),
             largest_m: in_the_dark.largest_m.unwrap_or(f64::NAN),
             dark: in_the_dark,
             wrong_level_share: count(
