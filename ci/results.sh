@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Regenerates every figure of the docs:
 #   a block from `<!-- NAME:begin -->` to `<!-- NAME:end -->` of a page: the table NAME made below (`results`: the recorded
-#   sets with truth, `loops`: the walks without, `attitude`: the attitude trials next to VQF, `parts`: the same with a part of
+#   sets with truth, `everything`, `everything-matrix`, `everything-parts`: the suite scenarios/everything.toml in short, as a table of parts and methods, and part by part, `loops`: the walks without, `attitude`: the attitude trials next to VQF, `parts`: the same with a part of
 #   the method left out, `walks`: the simulated walk of system S2 over many seeds,
 #   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `s1`: system S1 over many seeds, `s1-fitness`: what tuning it costs, `s4`: system S4 over many seeds, `ranges`: errors of recorded ranges before and after correction, `radio`: simulated radio next to recorded sets,
 #   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `s1`: system S1 over many seeds, `s1-fitness`: what tuning it costs, `s4`: system S4 over many seeds, `uwb`: every method on UWB ranges on the recorded sets, `radio`: simulated radio next to recorded sets,
@@ -27,6 +27,7 @@ if [ -n "$mealpy_python" ]; then
     cp "$fresh/mealpy.csv" crates/tuning/tests/reference/mealpy.csv
 fi
 cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example s1_results --example s4_results --example uwb_results --example gate_figure --example radio_results --example range_results --example radio_figure --example ranging_figure --example shift_results --example blackout_results --example step_results --example step_figure --example phone_walks
+cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example everything_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example s1_results --example s4_results --example uwb_results --example gate_figure --example radio_results --example range_results --example radio_figure --example ranging_figure --example shift_results --example step_results --example step_figure --example phone_walks
 cargo build --locked --release -p adit-simulation --example radio_realism --example people_plan
 cargo build --locked --release -p adit-nlos --example simulated_mines --example class_figure
 cargo build --locked --release -p adit-tuning --example optimise_results --example s1_fitness
@@ -45,6 +46,14 @@ fi
 "$bin/examples/attitude_parts" "$ADIT_DATA" "$fresh/parts.md" docs/results/ahrs-delay.svg || complete=$?
 # A table without the rival would say less than the one that stands there.
 [ -f "$fresh/attitude.md" ] || echo "results: the attitude table is left as it is" >&2
+
+# Every method on everything; the table stays as it is where a recorded set is not at hand, since it would say less.
+"$bin/adit" compare scenarios/everything.toml -o "$fresh/everything.html" --json "$fresh/everything.json" >/dev/null
+if grep -q 'SKIPPED (no test data)' "$fresh/everything.json"; then
+    echo "results: a recorded set is missing, the tables of everything are left as they are" >&2
+else
+    "$bin/examples/everything_results" "$fresh/everything.json" "$fresh"
+fi
 
 "$bin/examples/simulated_walks" >"$fresh/walks.md"
 "$bin/examples/stance_figure" docs/results/stance.svg

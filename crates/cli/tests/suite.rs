@@ -39,6 +39,21 @@ figure = "end-3d"
 set = { folder = "room", closed = true, names = ["st*"] }
 
 [[parts]]
+name = "spots"
+about = "Strengths on a grid."
+figure = "mean-2d"
+table = ["path-loss map"]
+survey = { folder = "room", fit = "train", leave_out = 0.2, draws = 2 }
+
+[[parts]]
+name = "tracks"
+about = "Strengths along two walks."
+align = "none"
+figure = "mean-2d"
+runs = [{ method = "wifi" }]
+set = { folder = "tracks", logs = ["rssi"], places = { file = "aps.csv" }, learn = ["path-loss"] }
+
+[[parts]]
 name = "elsewhere"
 about = "Not at hand."
 figure = "rmse-2d"
@@ -89,6 +104,45 @@ fn room(folder: &Path) {
     }
 }
 
+/// Strength at a place, dBm: 40 dB lost on the first metre, 25 more with each tenfold distance.
+fn strength(place: [f64; 2], access_point: [f64; 2]) -> f64 {
+    let distance = (place[0] - access_point[0]).hypot(place[1] - access_point[1]).max(0.5);
+    (-40.0 - 25.0 * distance.log10()).round()
+}
+
+/// Four access points about a floor: a survey of it, and two walks across.
+fn radio(survey: &Path, tracks: &Path) {
+    let access_points = [[0.0, 0.0], [12.0, 0.0], [12.0, 9.0], [0.0, 9.0]];
+    let mut list = "ap,x_m,y_m\n".to_owned();
+    for (nth, [x, y]) in access_points.iter().enumerate() {
+        writeln!(list, "w{nth},{x},{y}").unwrap();
+    }
+    let heard = |place| access_points.map(|at| strength(place, at));
+    let mut rows = "x_m,y_m,w0_rssi_dBm,w1_rssi_dBm,w2_rssi_dBm,w3_rssi_dBm\n".to_owned();
+    for spot in 0..120 {
+        let place = [f64::from(spot % 12) + 0.5, f64::from(spot / 12) * 0.9];
+        let [a, b, c, d] = heard(place);
+        writeln!(rows, "{},{},{a},{b},{c},{d}", place[0], place[1]).unwrap();
+    }
+    fs::write(survey.join("floor_train.csv"), rows).unwrap();
+    fs::write(survey.join("floor_access_points.csv"), &list).unwrap();
+    fs::write(tracks.join("aps.csv"), &list).unwrap();
+    for (name, from, to) in [("one", [1.0, 1.0], [11.0, 8.0]), ("two", [1.0, 7.0], [11.0, 2.0])] {
+        let mut log = "time_s,access_point,rssi_dBm\n".to_owned();
+        let mut truth = "time_s,x_m,y_m,z_m\n".to_owned();
+        for step in 0..=100 {
+            let (time, share) = (0.2 * f64::from(step), f64::from(step) / 100.0);
+            let place = [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]));
+            writeln!(truth, "{time:.1},{},{},0", place[0], place[1]).unwrap();
+            for (nth, dbm) in heard(place).iter().enumerate() {
+                writeln!(log, "{time:.1},w{nth},{dbm}").unwrap();
+            }
+        }
+        fs::write(tracks.join(format!("{name}_rssi.csv")), log).unwrap();
+        fs::write(tracks.join(format!("{name}_truth.csv")), truth).unwrap();
+    }
+}
+
 fn run(folder: &Path, more: &[&str]) -> (Outcome, Value) {
     let mut args = vec!["compare", "all.toml", "-o", "all.html", "--json", "all.json"];
     args.extend(more);
@@ -109,7 +163,9 @@ fn small() -> tempfile::TempDir {
     fs::create_dir_all(folder.path().join("sets/room")).unwrap();
     fs::write(folder.path().join("all.toml"), SUITE).unwrap();
     fs::write(folder.path().join("walk.toml"), WALK).unwrap();
+    fs::create_dir_all(folder.path().join("sets/tracks")).unwrap();
     room(&folder.path().join("sets/room"));
+    radio(&folder.path().join("sets/room"), &folder.path().join("sets/tracks"));
     folder
 }
 
@@ -119,7 +175,7 @@ fn a_suite_is_one_report_of_all_its_parts() {
     let (Outcome { code, stdout, stderr }, report) = run(folder.path(), &[]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("elsewhere: SKIPPED (no test data): nowhere"), "{stderr}");
-    assert!(stdout.contains("all.toml: 4 parts"), "{stdout}");
+    assert!(stdout.contains("all.toml: 6 parts"), "{stdout}");
     let part = |nth: usize| &report["parts"][nth];
     let number = |value: &Value| value.as_f64().unwrap();
 
@@ -155,7 +211,15 @@ fn a_suite_is_one_report_of_all_its_parts() {
     // A sensor that does not move ends where it began.
     assert_eq!(part(2)["run_names"], serde_json::json!(["still"]));
     assert!(number(&part(2)["merit"]["foot-ins"]["mean"]) < 0.02, "{}", part(2));
-    assert_eq!(part(3)["skipped"], "SKIPPED (no test data): nowhere");
+    // Strengths without scatter but their rounding, half a decibel: 5 % of a distance that is below 12 m, in a mesh of places 1 m apart.
+    let spots = &part(3)["merit"]["path-loss map"];
+    assert_eq!((&spots["runs"], &part(3)["run_names"][1]), (&2.into(), &"floor, draw 2".into()));
+    assert!(number(&spots["mean"]) < 0.8, "{spots}");
+    // The same, of a walk: a fix speaks of the seconds before it.
+    let tracks = &part(4)["merit"]["wifi"];
+    assert_eq!(tracks["runs"], 2);
+    assert!(number(&tracks["mean"]) < 1.5, "{tracks}");
+    assert_eq!(part(5)["skipped"], "SKIPPED (no test data): nowhere");
 
     let page = fs::read_to_string(folder.path().join("all.html")).unwrap();
     for expected in
@@ -166,7 +230,7 @@ fn a_suite_is_one_report_of_all_its_parts() {
     for unwanted in ["<script", "http://www.w3.org/1999/xlink", "src=\""] {
         assert!(!page.contains(unwanted), "{unwanted}");
     }
-    assert_eq!(page.matches("<h2").count(), 4);
+    assert_eq!(page.matches("<h2").count(), 6);
 }
 
 #[test]

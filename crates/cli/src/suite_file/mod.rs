@@ -29,6 +29,7 @@
 //! Whatever is wrong is told with file and line.
 
 mod recorded;
+mod survey;
 
 use crate::config;
 use crate::scenario_file::{Contender, Contest, RunEntry, Scenario, Source};
@@ -40,6 +41,8 @@ pub use recorded::{Learnt, Places, RecordedSet, RowChoice};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use survey::SurveyEntry;
+pub use survey::{RadioSurvey, SpotChoice};
 use toml::Spanned;
 
 /// Runs of a scenario, where nothing is said.
@@ -77,6 +80,8 @@ pub enum PartSource {
     Simulated(Box<Scenario>, PathBuf, u32),
     /// A recorded set.
     Recorded(Box<RecordedSet>),
+    /// Scans at known spots.
+    Survey(Box<RadioSurvey>),
 }
 
 #[derive(Deserialize)]
@@ -111,6 +116,7 @@ struct PartEntry {
     #[serde(default)]
     keep: Option<Vec<Spanned<String>>>,
     set: Option<SetEntry>,
+    survey: Option<SurveyEntry>,
     align: Option<Alignment>,
     judged_from_s: Option<f64>,
     judged_every_s: Option<Spanned<f64>>,
@@ -166,26 +172,28 @@ impl Part {
         source: &Source,
     ) -> Result<Self> {
         let at = entry.get_ref();
-        let (what, mut contest) = match (&at.scenario, &at.set) {
-            (Some(file), None) => {
+        let (what, mut contest) = match (&at.scenario, &at.set, &at.survey) {
+            (Some(file), None, None) => {
                 let path = source.folder().join(file);
                 let scenario = Scenario::read(&path)?;
                 let mut contest = scenario.contest()?;
                 keep(&mut contest, at.keep.as_deref(), source)?;
                 (PartSource::Simulated(Box::new(scenario), path, at.seeds.unwrap_or(SEEDS)), contest)
             }
-            (None, Some(set)) => {
-                if let Some(name) = at.keep.iter().flatten().next() {
-                    let what = "`keep` chooses among the contenders of a scenario: a set has none of its own";
-                    return Err(source.error(&name.span(), what));
-                }
+            (None, Some(set), None) => {
                 (PartSource::Recorded(Box::new(set.checked(data, source)?)), Contest::default())
             }
-            (Some(_), Some(_)) | (None, None) => {
-                let what = format!("part \"{}\": expected either `scenario` or `set`", at.name.get_ref());
+            (None, None, Some(survey)) => return at.of_survey(survey.checked(data, source)?, source),
+            _ => {
+                let what =
+                    format!("part \"{}\": expected one of `scenario`, `set`, `survey`", at.name.get_ref());
                 return Err(source.error(&at.name.span(), &what));
             }
         };
+        if let (PartSource::Recorded(_), Some(name)) = (&what, at.keep.iter().flatten().next()) {
+            let what = "`keep` chooses among the contenders of a scenario: a set has none of its own";
+            return Err(source.error(&name.span(), what));
+        }
         contest.align = at.align.or(contest.align);
         contest.moments.from_s = at.judged_from_s.unwrap_or(contest.moments.from_s);
         if let Some(every_s) = &at.judged_every_s {
@@ -231,6 +239,26 @@ impl Part {
             }
         }
         table
+    }
+}
+
+impl PartEntry {
+    /// A part without tracks: its contenders are the locators.
+    fn of_survey(&self, survey: RadioSurvey, source: &Source) -> Result<Part> {
+        let runs = self.runs.first().map(Spanned::span);
+        let keep = self.keep.iter().flatten().next().map(Spanned::span);
+        if let Some(span) = runs.or(keep) {
+            let what = "`runs` and `keep` have no use with `survey`, whose contenders are all locators";
+            return Err(source.error(&span, what));
+        }
+        Ok(Part {
+            name: self.name.get_ref().clone(),
+            about: self.about.clone(),
+            figure: self.figure,
+            source: PartSource::Survey(Box::new(survey)),
+            contest: Contest::default(),
+            table: self.table.iter().map(|name| name.get_ref().clone()).collect(),
+        })
     }
 }
 

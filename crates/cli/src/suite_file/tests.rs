@@ -78,7 +78,11 @@ fn mistakes_have_a_line() {
         ("first = { window", "last = { window", ":12: no contender is called \"last\""),
         ("name = \"recorded\"", "name = \"simulated\"", ":15: two parts are called \"simulated\""),
         ("name = \"again\", ", "", ":19: two runs are called \"marg-ins\""),
-        ("scenario = \"walk.toml\"\n", "", ":7: part \"simulated\": expected either `scenario` or `set`"),
+        (
+            "scenario = \"walk.toml\"\n",
+            "",
+            ":7: part \"simulated\": expected one of `scenario`, `set`, `survey`",
+        ),
         ("within = \"ranges\"", "within = \"rssi\"", ":25: within is \"rssi\", expected one of imu, ranges"),
         ("lab_*", "*lab_*", ":26: \"*lab_*\": expected a name with one * at most"),
         ("figure = \"end-3d\"", "figure = \"end-4d\"", ":18: unknown variant `end-4d`"),

@@ -26,7 +26,7 @@ pub enum Trials {
     /// Logs with their truth.
     Recorded(Vec<(PathBuf, PathBuf)>),
     /// Runs of a set of a suite.
-    Set(SetRuns),
+    Set(Box<SetRuns>),
 }
 
 /// One run.

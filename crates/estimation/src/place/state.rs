@@ -19,6 +19,7 @@ use crate::kalman::dense::propagate;
 use crate::radio::Emitter;
 use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use core::f64::consts::FRAC_1_SQRT_2;
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
@@ -48,8 +49,10 @@ pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
-/// Standard deviations from which the tail of the normal distribution is its first terms: to 1 % there.
-const FAR: f64 = 10.0;
+/// Standard deviations up to which the tail of the normal distribution has digits.
+const FAR: f64 = 30.0;
+/// √2π.
+const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
 /// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
 const ALONG: f64 = 0.707;
 /// Nearer to an anchor than this, m, a range has no direction any more.
@@ -393,33 +396,31 @@ impl State {
     }
 
     /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
-    /// (Simon & Simon 2010, eq. 25–27, for one bound). Gives how many standard deviations the mean lay beyond it and the logarithm of the probability of being within; `None` when nothing is
-    /// known of it.
+    /// (Simon & Simon 2010, for one bound): `μ − σλ`, `σ² (1 − λ(λ − β))`, `λ = φ(β)/Φ(−β)`, β how many σ the mean lies beyond. Gives β and `ln Φ(−β)`. Nothing is corrected
+    /// where β exceeds `most`; `None` when nothing is known of the position.
     pub fn keep_within(
         &mut self,
         (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
         limit_m: f64,
+        most: f64,
     ) -> Option<(f64, f64)> {
         let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
         let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
         let sigma = libm::sqrt(variance);
         let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
-        let within = 0.5 * libm::erfc(beyond * core::f64::consts::FRAC_1_SQRT_2);
-        if !(variance > 0.0) {
+        if !beyond.is_finite() {
             return None;
         }
-        // λ = φ/Φ; far out both vanish, and λ → x + 1/x.
-        let density = libm::exp(-0.5 * beyond * beyond) * 0.398_942_280_401_432_7;
-        let (ratio, log_within) = if beyond < FAR {
-            (density / within, libm::log(within))
-        } else {
-            (beyond + 1.0 / beyond, -0.5 * beyond * beyond - libm::log(beyond) - 0.918_938_533_204_672_8)
-        };
+        let within = 0.5 * libm::erfc(beyond * FRAC_1_SQRT_2);
+        if beyond > most.min(FAR) {
+            return Some((beyond, libm::log(within.max(f64::MIN_POSITIVE))));
+        }
+        let ratio = libm::exp(-0.5 * beyond * beyond) / (SQRT_TAU * within);
         let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
         self.covariance -= cross * cross.transpose() * (lost / variance);
         symmetrise(&mut self.covariance);
         self.feed_back(&(cross * (-ratio / sigma)));
-        Some((beyond, log_within))
+        Some((beyond, libm::log(within)))
     }
 
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.

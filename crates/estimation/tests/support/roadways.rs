@@ -2,6 +2,9 @@
 //!
 //! A walker goes from node to node at random, turns back now and then, keeps to one side and wanders across, and cuts corners: the centre line, moved to the side, averaged over
 //! two metres. Nothing of the bank is used.
+#![allow(dead_code, reason = "every program uses its own part")]
+#![expect(clippy::cast_possible_truncation, reason = "small counts")]
+#![expect(clippy::cast_sign_loss, reason = "counts")]
 
 use adit_core::nalgebra::{Vector2, Vector3};
 use adit_estimation::place::state::{

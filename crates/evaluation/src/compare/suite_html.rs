@@ -70,10 +70,10 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
     let (unit, figure) = (part.unit, part.figure.words());
     let reference = judged.differences.first().map(|difference| difference.minus.as_str());
     let against = reference.map_or_else(String::new, |name| format!("more than {} [95 %]", escape(name)));
-    let _ = write!(
+    let _ = writeln!(
         page,
         "<div class=\"wide\"><table class=\"parts\"><tr><th>contender</th><th>method</th><th>{figure}, {unit}: mean</th><th>median</th>\
-         <th>worst run</th><th>runs</th><th>{against}</th><th>below 2 m</th><th>NEES</th><th>one sample</th></tr>\n"
+         <th>worst run</th><th>runs</th><th>{against}</th><th>below 2 m</th><th>NEES</th><th>one sample</th></tr>"
     );
     for (name, summary) in &judged.comparison.methods {
         let Some(merit) = judged.merit_of(name) else { continue };

@@ -5,6 +5,7 @@ mod contest;
 mod lessons;
 mod ranges;
 mod suite;
+mod survey;
 
 use crate::args::CompareArgs;
 use crate::output::{self, Target};

@@ -4,6 +4,7 @@
 
 use super::conduct::{self, Conducted, Rules, Stamps};
 use super::ranges::RangeReport;
+use super::survey::{self, SurveyRuns};
 use crate::args::CompareArgs;
 use crate::method::MethodName;
 use crate::output::{self, Target};
@@ -32,18 +33,26 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let mut ready = Vec::with_capacity(suite.parts.len());
     for part in &mut suite.parts {
-        choose(&mut part.contest, &args.methods);
-        ready.push(if part.contest.contenders.is_empty() { None } else { trials(part, args.seeds)? });
+        let competes = choose(part, &args.methods);
+        ready.push(if competes { runs_of(part, args.seeds)? } else { Runs::Nobody });
     }
-    let all: usize = ready.iter().flatten().map(Trials::len).sum();
+    let all: usize = ready.iter().map(Runs::len).sum();
     let progress = Progress::new("comparing", Unit::Samples, Some(all as u64));
     let mut parts = Vec::with_capacity(suite.parts.len());
     let (mut sections, mut ranges) = (Vec::new(), Vec::new());
-    for (part, trials) in suite.parts.iter().zip(&ready) {
-        let (judged, section, of_ranges) = match trials {
-            Some(trials) => compared(part, trials, &progress)?,
-            None => {
-                let judged = skipped(part);
+    for (part, runs) in suite.parts.iter().zip(&ready) {
+        let (judged, section, of_ranges) = match runs {
+            Runs::Tracks(trials) => compared(part, trials, &progress)?,
+            Runs::Spots(runs) => {
+                let place = || part.name.clone();
+                let step = || progress.more(1);
+                let (judged, mut curves) = survey::compared(part, runs, &step).with_context(place)?;
+                curves.truncate(IN_FIGURES);
+                let section = part_html(&judged, &[], &curves)?;
+                (judged, section, Vec::new())
+            }
+            Runs::Nobody | Runs::NotAtHand(_) => {
+                let judged = skipped(part, runs);
                 progress::note(&format!("{}: {}", part.name, judged.skipped.as_deref().unwrap_or_default()));
                 let section = part_html(&judged, &[], &[])?;
                 (judged, section, Vec::new())
@@ -70,31 +79,60 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     output::print(&suite.to_string())
 }
 
-/// `--methods` chooses among the contenders.
-fn choose(contest: &mut Contest, methods: &[MethodName]) {
-    if !methods.is_empty() {
-        contest.contenders.retain(|contender| methods.contains(&contender.method));
+/// What a part runs on.
+enum Runs {
+    /// Logs with their truth.
+    Tracks(Trials),
+    /// Scans at known spots.
+    Spots(SurveyRuns),
+    /// A recorded set that is not there.
+    NotAtHand(String),
+    /// None of its contenders was chosen.
+    Nobody,
+}
+
+impl Runs {
+    fn len(&self) -> usize {
+        match self {
+            Self::Tracks(trials) => trials.len(),
+            Self::Spots(runs) => runs.len(),
+            Self::NotAtHand(_) | Self::Nobody => 0,
+        }
     }
 }
 
-/// The runs of a part; none where its set is not at hand.
-fn trials(part: &Part, seeds: Option<u32>) -> Result<Option<Trials>> {
-    match &part.source {
+/// `--methods` chooses among the contenders; whether any is left.
+fn choose(part: &mut Part, methods: &[MethodName]) -> bool {
+    let chosen = |method: MethodName| methods.is_empty() || methods.contains(&method);
+    if let PartSource::Survey(_) = part.source {
+        return chosen(MethodName::Wifi);
+    }
+    part.contest.contenders.retain(|contender| chosen(contender.method));
+    !part.contest.contenders.is_empty()
+}
+
+fn runs_of(part: &Part, seeds: Option<u32>) -> Result<Runs> {
+    let place = || part.name.clone();
+    let not_at_hand = |name: &str| Runs::NotAtHand(name.to_owned());
+    Ok(match &part.source {
         PartSource::Simulated(scenario, _, own) => {
             let runs = seeds.unwrap_or(*own) as usize;
-            Ok(Some(Trials::Simulated(scenario.clone(), scenario.seed, runs)))
+            Runs::Tracks(Trials::Simulated(scenario.clone(), scenario.seed, runs))
         }
         PartSource::Recorded(set) => {
-            Ok(SetRuns::find(set).with_context(|| part.name.clone())?.map(Trials::Set))
+            let runs = SetRuns::find(set).with_context(place)?;
+            runs.map_or_else(|| not_at_hand(&set.name), |runs| Runs::Tracks(Trials::Set(Box::new(runs))))
         }
-    }
+        PartSource::Survey(survey) => {
+            let runs = SurveyRuns::find(survey).with_context(place)?;
+            runs.map_or_else(|| not_at_hand(&survey.name), Runs::Spots)
+        }
+    })
 }
 
-fn skipped(part: &Part) -> SuitePart {
-    let why = match &part.source {
-        PartSource::Recorded(set) if !part.contest.contenders.is_empty() => {
-            format!("SKIPPED (no test data): {}", set.name)
-        }
+fn skipped(part: &Part, runs: &Runs) -> SuitePart {
+    let why = match runs {
+        Runs::NotAtHand(name) => format!("SKIPPED (no test data): {name}"),
         _ => "SKIPPED: none of the chosen methods competes".to_owned(),
     };
     let (name, about, figure) = (part.name.clone(), part.about.clone(), part.figure);
@@ -121,6 +159,7 @@ fn compared(part: &Part, trials: &Trials, progress: &Progress) -> Result<Compare
     let source = match &part.source {
         PartSource::Simulated(_, path, _) => path.display().to_string(),
         PartSource::Recorded(set) => set.folder.display().to_string(),
+        PartSource::Survey(survey) => survey.folder.display().to_string(),
     };
     let (comparison, ranges) = conducted.summed_up(source, trials, contest, &rules).with_context(place)?;
     let merit = merits(&conducted, contest, part.figure);

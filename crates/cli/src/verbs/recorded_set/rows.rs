@@ -58,6 +58,6 @@ fn of(
             writer.write_record(&row)?;
         }
     }
-    let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+    let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
     Ok(Input::from_bytes(&place(), &bytes)?)
 }

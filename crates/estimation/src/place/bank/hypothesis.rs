@@ -32,6 +32,8 @@ pub struct Hypothesis {
     pub surprise: f64,
     /// The way of the last metres leads across its roadway, and along another that it may be on instead.
     pub(super) elsewhere: bool,
+    /// Logarithm of the probability of being within the walls while it is not held, as it has gone into the weight.
+    pub(super) walls: f64,
     /// State and covariance.
     pub state: State,
 }
@@ -44,8 +46,10 @@ const BOUND: f64 = 9.0;
 const OFF_COST: f64 = 4.0;
 /// The same within a chamber.
 const CHAMBER_COST: f64 = 2.0;
-/// Walls of chambers are known by this, m.
+/// Walls are known by this, m.
 const WALL_M: f64 = 0.5;
+/// No place between walls is less probable than this.
+const IN_ROCK: f64 = 1e-6;
 /// Share of the variance across a roadway that is a side that somebody keeps to, and of that of the tag's height that is the wearer's own.
 const KEPT: f64 = 0.5;
 /// At corners people leave the centre line by this more, m.
@@ -73,7 +77,8 @@ impl Hypothesis {
     /// Holds it to its place after `walked_m`. What one look says weighs as much as `walked_m / 2λ` independent ones would, λ the length over which somebody's place across
     /// the roadway is forgotten: sums over a way then have the variance of the mean of a correlated sequence.
     ///
-    /// Where the way bends or leads elsewhere the place is only judged: a branch must not inherit that its parent was held to another roadway.
+    /// Where the way bends or leads elsewhere the place is only judged: a branch must not inherit that its parent was held to another roadway. Its walls
+    /// judge it then: the probability of being between them, which is that of the last place, not of all.
     pub(super) fn hold(&mut self, roadways: &Roadways, params: &BankParams, walked_m: f64, straight: bool) {
         let before = (!straight || self.elsewhere).then(|| self.state.clone());
         let rate = (0.5 * walked_m / params.forgotten_m).min(1.0);
@@ -82,6 +87,9 @@ impl Hypothesis {
                 self.advance(roadways);
                 let Place::Piece(index) = self.place else { return };
                 let Some(piece) = roadways.piece(index) else { return };
+                let walls = if before.is_some() { self.within_walls(piece) } else { 0.0 };
+                self.log_weight += walls - self.walls;
+                self.walls = walls;
                 self.hold_to_piece(roadways, piece, params, rate)
             }
             Place::Chamber(index) => {
@@ -132,6 +140,15 @@ impl Hypothesis {
         }
     }
 
+    /// Logarithm of the probability that it is between the walls of its roadway.
+    fn within_walls(&self, piece: &Piece) -> f64 {
+        let left_m = piece.on(&self.state.position_m.xy()).left_m;
+        let scale = libm::hypot(self.sigma_m(&piece.left()), WALL_M) * core::f64::consts::SQRT_2;
+        let below = |m: f64| libm::erf(m / scale);
+        let share = 0.5 * (below(piece.half_width_m - left_m) + below(piece.half_width_m + left_m));
+        libm::log(share.max(IN_ROCK))
+    }
+
     fn hold_to_piece(&mut self, roadways: &Roadways, piece: &Piece, params: &BankParams, rate: f64) -> Held {
         let mut held = Held::default();
         let left = piece.left().push(0.0);
@@ -151,7 +168,8 @@ impl Hypothesis {
             if beyond_m > room_m {
                 let point = piece.at(if end == 0 { 0.0 } else { piece.length_m });
                 let away = -piece.away_from(end).push(0.0);
-                if let Some((beyond, log_within)) = self.state.keep_within((&point, &away), room_m) {
+                if let Some((beyond, log_within)) = self.state.keep_within((&point, &away), room_m, DEFORMED)
+                {
                     held.add(Held { log_likelihood: log_within, strain: beyond * beyond });
                 }
             }
@@ -236,24 +254,28 @@ impl Hypothesis {
     /// The nearest place in the air, where it is held to a roadway or chamber, m.
     pub(super) fn in_air(&self, roadways: Option<&Roadways>) -> Vector3<f64> {
         let here = self.state.position_m;
-        let held = match (self.place, roadways) {
-            (Place::Piece(index), Some(roadways)) => roadways.piece(index).map(|piece| {
-                let on = piece.on(&here.xy());
-                let [before, behind] = [0, 1].map(|end| room_at(roadways, piece, end));
-                let along_m = on.along_m.clamp(-before, piece.length_m + behind);
-                // Beyond an end the roadway is round.
-                let beyond_m = along_m - along_m.clamp(0.0, piece.length_m);
-                let half_m =
-                    libm::sqrt((piece.half_width_m * piece.half_width_m - beyond_m * beyond_m).max(0.0));
-                let on_line = piece.at(along_m).xy();
-                on_line + piece.left() * on.left_m.clamp(-half_m, half_m)
-            }),
-            (Place::Chamber(index), Some(roadways)) => roadways
-                .chamber(index)
-                .map(|room| if room.contains(&here.xy()) { here.xy() } else { room.wall(&here.xy()) }),
-            _ => None,
+        let upright = |level: Vector2<f64>, floor_m: f64, height_m: f64| {
+            level.push(here[UP].clamp(floor_m, floor_m + height_m))
         };
-        held.map_or(here, |level| level.push(here[UP]))
+        match (self.place, roadways) {
+            (Place::Piece(index), Some(roadways)) => roadways.piece(index).map_or(here, |piece| {
+                let on = piece.on(&here.xy());
+                let [before_m, behind_m] = [0, 1].map(|end| room_at(roadways, piece, end));
+                let along_m = on.along_m.clamp(-before_m, piece.length_m + behind_m);
+                // Beyond an end the roadway is round.
+                let on_line_m = along_m.clamp(0.0, piece.length_m);
+                let (half_m, beyond_m) = (piece.half_width_m, along_m - on_line_m);
+                let aside_m = libm::sqrt((half_m * half_m - beyond_m * beyond_m).max(0.0));
+                let place = piece.at(along_m).xy() + piece.left() * on.left_m.clamp(-aside_m, aside_m);
+                upright(place, piece.floor_m(on_line_m), piece.height_m)
+            }),
+            (Place::Chamber(index), Some(roadways)) => roadways.chamber(index).map_or(here, |room| {
+                let inside = room.contains(&here.xy());
+                let place = if inside { here.xy() } else { room.wall(&here.xy()) };
+                upright(place, room.floor_m, room.height_m)
+            }),
+            _ => here,
+        }
     }
 
     /// Both are in one place by their states and go along one line: what tells them apart is small beside what they do not know.

@@ -46,8 +46,10 @@ const SURPRISE: f64 = 16.0;
 const NEWEST: f64 = 0.1;
 /// What is added when all are contradicted: on the level, m; upwards, m; to the direction, rad.
 const REOPENED: (f64, f64, f64) = (10.0, 2.0, 0.2);
-/// After a way as long as this without contradiction a bank that was opened again is as good as any, m; before, it is opened twice as wide each time.
+/// After a way as long as this without contradiction a bank that was opened again is as good as any, m; before, it is opened twice as wide each time, four times as high.
 const TRUSTED_M: f64 = 200.0;
+/// Share of its variance at the start that is added to that of the factor.
+const FORGOTTEN: f64 = 0.25;
 /// Most doublings.
 const WIDER: u32 = 6;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
@@ -165,9 +167,11 @@ impl Bank {
             p[(index, index)] += sigma * sigma;
         }
         let (factor, variance) = self.factor;
-        if variance > p[(FACTOR, FACTOR)] {
+        if (state.factor - factor).abs() > DEFORMED * libm::sqrt(variance) {
             state.forget(FACTOR, variance);
             state.factor = factor;
+        } else {
+            p[(FACTOR, FACTOR)] += FORGOTTEN * variance;
         }
         self.lost = true;
         self.reopened_m = 0.0;
@@ -272,7 +276,7 @@ impl Bank {
         let mut held = self.hypotheses.iter().filter(on_map).peekable();
         if held.peek().is_some() && held.all(|hypothesis| hypothesis.strain > CONTRADICTED) {
             let wider = f64::from(1_u32 << self.reopened.min(WIDER));
-            self.reopen(REOPENED.0 * wider, REOPENED.1, REOPENED.2);
+            self.reopen(REOPENED.0 * wider, REOPENED.1 * wider * wider, REOPENED.2);
             self.reopened += 1;
         }
     }

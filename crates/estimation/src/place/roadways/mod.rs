@@ -41,6 +41,8 @@ pub struct Room {
     outline_m: Vec<Vector2<f64>>,
     /// Height of its floor, m.
     pub floor_m: f64,
+    /// Height of its roof above that, m.
+    pub height_m: f64,
     /// Pieces of roadways that open into it.
     pub doors: Vec<u32>,
 }
@@ -62,7 +64,8 @@ impl Roadways {
                 let last = index + 2 == points.len();
                 let to = if last { edge.to.0 as usize } else { joints };
                 joints += usize::from(!last);
-                pieces.extend(Piece::new([pair[0], pair[1]], [from, to], 0.5 * roadway.width_m));
+                let size_m = (0.5 * roadway.width_m, roadway.height_m);
+                pieces.extend(Piece::new([pair[0], pair[1]], [from, to], size_m));
                 from = to;
             }
         }
@@ -70,9 +73,10 @@ impl Roadways {
         let (starts, meeting) = meetings(&pieces, joints);
         let chambers = plan.chambers.iter().filter(|chamber| chamber.outline_m.len() >= 3).map(|chamber| {
             let outline_m = chamber.outline_m.iter().map(|corner| Vector2::from(*corner)).collect();
-            let mut room = Room { outline_m, floor_m: chamber.floor_m, doors: Vec::new() };
+            let mut room =
+                Room { outline_m, floor_m: chamber.floor_m, height_m: chamber.height_m, doors: Vec::new() };
             let near = |(index, piece): (usize, &Piece)| {
-                let opens = room.opens_to(piece, chamber.height_m);
+                let opens = room.opens_to(piece);
                 opens.then(|| u32::try_from(index).unwrap_or(u32::MAX))
             };
             room.doors = pieces.iter().enumerate().filter_map(near).collect();
@@ -165,11 +169,11 @@ impl Room {
     }
 
     /// A roadway that runs through it or along it, on its floor.
-    fn opens_to(&self, piece: &Piece, height_m: f64) -> bool {
+    fn opens_to(&self, piece: &Piece) -> bool {
         let reach_m = piece.half_width_m + SILL_M;
         let touches = |place: Vector2<f64>| {
             let (floor_m, low) = (piece.floor_m(piece.on(&place).along_m), self.floor_m);
-            floor_m < low + height_m && floor_m > low - height_m
+            floor_m < low + self.height_m && floor_m > low - self.height_m
         };
         let ends = [0.0, piece.length_m].map(|along| piece.at(along).xy());
         let through = ends.iter().find(|end| self.contains(end)).copied();

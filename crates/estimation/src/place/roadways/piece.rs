@@ -14,6 +14,8 @@ pub struct Piece {
     pub rise: f64,
     /// Half of the width of its roadway, m.
     pub half_width_m: f64,
+    /// Height of its roof above the floor, m.
+    pub height_m: f64,
     /// The joints at its beginning and its end.
     pub joints: [u32; 2],
 }
@@ -29,7 +31,11 @@ pub struct OnPiece {
 
 impl Piece {
     /// Between two points; `None` where it is upright.
-    pub(super) fn new([from, to]: [Vector3<f64>; 2], joints: [usize; 2], half_width_m: f64) -> Option<Self> {
+    pub(super) fn new(
+        [from, to]: [Vector3<f64>; 2],
+        joints: [usize; 2],
+        (half_width_m, height_m): (f64, f64),
+    ) -> Option<Self> {
         let run = (to - from).xy();
         let length_m = run.norm();
         (length_m > 0.0).then(|| Self {
@@ -38,6 +44,7 @@ impl Piece {
             length_m,
             rise: (to.z - from.z) / length_m,
             half_width_m,
+            height_m,
             joints: joints.map(|joint| u32::try_from(joint).unwrap_or(u32::MAX)),
         })
     }

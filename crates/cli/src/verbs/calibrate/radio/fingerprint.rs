@@ -47,7 +47,8 @@ impl SiteMaps {
         Ok(Self { strengths, ranges })
     }
 
-    fn contestants(&self) -> Vec<Contestant<'_>> {
+    /// The methods that stand on fingerprints.
+    pub fn contestants(&self) -> Vec<Contestant<'_>> {
         let nearest = |name, weighted| {
             let params = NearestParams { weighted, ..NearestParams::default() };
             let fix = move |readings: &[Reading]| self.strengths.fingerprints.nearest(readings, &params);
@@ -69,7 +70,8 @@ impl SiteMaps {
         all
     }
 
-    fn followers(&self, data: &RadioData) -> Vec<Follower<'_>> {
+    /// The methods that follow a walk.
+    pub fn followers(&self, data: &RadioData) -> Vec<Follower<'_>> {
         let map = &self.strengths.map;
         if !walks(data) {
             return Vec::new();
