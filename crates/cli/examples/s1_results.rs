@@ -2,14 +2,12 @@
 //!
 //! `adit compare scenarios/s1.toml` over 30 seeds next to the paper, and where dead reckoning alone is after a minute. Called by `ci/results.sh`.
 
-#[path = "support/binary.rs"]
-mod binary;
 #[path = "support/comparison.rs"]
 mod comparison;
 
 use adit_observation::truth;
 use anyhow::{Context, Result, bail};
-use binary::{path, run};
+use comparison::binary::{path, run};
 use comparison::{compare, number};
 use serde_json::Value;
 use std::fmt::Write;

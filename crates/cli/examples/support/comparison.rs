@@ -1,7 +1,7 @@
 //! What examples that tabulate `adit compare` share.
 
 #[path = "binary.rs"]
-mod binary;
+pub mod binary;
 
 use anyhow::{Context, Result};
 use binary::{path, run};

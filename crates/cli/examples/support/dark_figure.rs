@@ -137,11 +137,11 @@ impl Picture<'_> {
             (dark.until_s..f64::INFINITY, AFTER),
         ];
         for (times, ink) in parts {
-            for line in lines(truth, &times, &inside) {
+            for line in lines(truth, &times, inside) {
                 chart.draw_series(LineSeries::new(line, ink.stroke_width(2)))?;
             }
         }
-        for line in lines(estimate, &(dark.from_s..dark.until_s), &inside) {
+        for line in lines(estimate, &(dark.from_s..dark.until_s), inside) {
             chart.draw_series(LineSeries::new(line, ESTIMATE.stroke_width(1)))?;
         }
         Ok(())

@@ -4,6 +4,7 @@ use crate::tracked::{Moment, Nis, Scenario, Simulated};
 use adit_core::solution::Quality;
 use adit_evaluation::travel::chord_length_m;
 use anyhow::{Context, Result};
+use core::f64::consts::TAU;
 use serde::Serialize;
 use toml::Value;
 
@@ -70,6 +71,9 @@ pub struct DarkHour {
     pub jumps: u32,
     /// The largest such step, as a share of the radius before it.
     pub largest_jump: f64,
+    /// How fast the heading turned away from the truth before and in the blackout, deg/h, anticlockwise; means nothing of a method without
+    /// attitude.
+    pub heading_deg_h: [f64; 2],
     /// Mean normalised innovation squared by degree of freedom, as the method tells it; 1 is honest.
     pub nis: Option<f64>,
     /// When it was found again; none when it never was.
@@ -141,7 +145,7 @@ impl DarkHour {
             walked_m: chord_length_m(&walked),
             before: Part::of(settled().filter(|moment| moment.time_s < dark.from_s)),
             after: Part::of(settled().filter(|moment| moment.time_s >= dark.until_s)),
-            end_m: inside().last().map_or(f64::NAN, |moment| moment.error_m.norm()),
+            end_m: inside().next_back().map_or(f64::NAN, |moment| moment.error_m.norm()),
             largest_m: in_the_dark.largest_m.unwrap_or(f64::NAN),
             dark: in_the_dark,
             wrong_level_share: count(
@@ -154,8 +158,32 @@ impl DarkHour {
             ),
             jumps: u32::try_from(steps.clone().filter(|share| *share > 1.0).count()).unwrap_or(u32::MAX),
             largest_jump: steps.fold(0.0, f64::max),
+            heading_deg_h: [
+                turning_deg_h(moments, SETTLED_S, dark.from_s),
+                turning_deg_h(moments, dark.from_s, dark.until_s),
+            ],
             nis: (nis.count > 0.0).then(|| nis.sum / nis.count),
             back,
         }
     }
+}
+
+/// Turn of the heading's error from one time to another, deg/h: of the mean over half a minute after the one and before the other.
+fn turning_deg_h(moments: &[Moment], from_s: f64, until_s: f64) -> f64 {
+    const ENDS_S: f64 = 30.0;
+    let (mut unwrapped, mut last, mut ends) = (0.0, None, [(0.0, 0.0); 2]);
+    for moment in moments.iter().filter(|moment| (from_s..until_s).contains(&moment.time_s)) {
+        let step = moment.turned_rad - last.unwrap_or(moment.turned_rad);
+        unwrapped += step - TAU * (step / TAU).round();
+        last = Some(moment.turned_rad);
+        for (end, inside) in
+            ends.iter_mut().zip([moment.time_s < from_s + ENDS_S, moment.time_s > until_s - ENDS_S])
+        {
+            if inside {
+                *end = (end.0 + unwrapped, end.1 + 1.0);
+            }
+        }
+    }
+    let [before, after] = ends.map(|(sum, count): (f64, f64)| sum / count);
+    (after - before).to_degrees() * 3600.0 / (until_s - from_s - ENDS_S)
 }

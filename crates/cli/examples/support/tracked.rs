@@ -3,6 +3,7 @@
 #[path = "binary.rs"]
 mod binary;
 
+use adit_core::attitude;
 use adit_core::nalgebra::{Matrix2, Vector2};
 use adit_core::solution::Quality;
 use adit_core::time::Time;
@@ -86,6 +87,8 @@ pub struct Moment {
     pub error_m: Vector2<f64>,
     /// Estimate minus truth, upwards, m.
     pub above_m: f64,
+    /// Heading of the estimate less that of the truth, anticlockwise, rad; means nothing of a method without attitude.
+    pub turned_rad: f64,
     /// Stated radius that holds the truth with 95 %, m.
     pub radius_m: f64,
     /// Normalised estimation error squared of east and north; none where the covariance is none.
@@ -270,6 +273,10 @@ impl Simulated {
                 time_s: solution.time.seconds(),
                 error_m: error_m.xy(),
                 above_m: error_m.z,
+                turned_rad: attitude::log(
+                    &(solution.attitude * (motion.rotation * truth.attitude).inverse()),
+                )
+                .z,
                 radius_m: solution.radius_95_m(),
                 nees: normalised_squared_error(&error_m.xy(), &covariance).ok(),
                 quality: solution.quality,

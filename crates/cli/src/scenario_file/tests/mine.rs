@@ -95,11 +95,6 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
             17,
             "unknown variant `hop`, expected one of `walk`, `run`, `crawl`",
         ),
-        ("until_s = 25.0", "until = 25.0", 17, "unknown field `until`, expected one of `until_s`"),
-        ("[\"l300\"]", "[\"l400\"]", 17, "levels is \"l400\", expected the id of a level"),
-        ("[\"l300\"]", "[\"surface\"]", 17, "levels is \"surface\", expected levels with places that can"),
-        ("reach_m = 90.0", "reach_m = 0.9", 17, "reach_m is 0.9, expected 1 m or more"),
-        ("reach_m = 90.0", "stop_share = 9.0", 17, "stop_share is 9, expected 0 to 1"),
         ("portal = \"portal\"", "portal = \"exit\"", 20, "portal is \"exit\", expected"),
         ("workplaces = 1", "workplaces = 0", 21, "workplaces is 0, expected 1 to 1000"),
         ("walk_m_s = 1.2", "walk_m_s = 12.0", 23, "walk_m_s is 12, expected 0.3 to 3.2 m/s"),
@@ -158,6 +153,20 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
         }
     }
     assert!(wrongly_told.is_empty(), "{wrongly_told:#?}");
+}
+
+#[test]
+fn every_mistake_in_a_walk_to_drawn_places_is_told_too() {
+    for (right, wrong, line, told) in [
+        ("until_s = 25.0", "until = 25.0", 17, "unknown field `until`, expected one of `until_s`"),
+        ("[\"l300\"]", "[\"l400\"]", 17, "levels is \"l400\", expected the id of a level"),
+        ("[\"l300\"]", "[\"surface\"]", 17, "levels is \"surface\", expected levels with places that can"),
+        ("reach_m = 90.0", "reach_m = 0.9", 17, "reach_m is 0.9, expected 1 m or more"),
+        ("reach_m = 90.0", "stop_share = 9.0", 17, "stop_share is 9, expected 0 to 1"),
+    ] {
+        let error = mistake(GOOD, right, wrong);
+        assert!(error.starts_with(&format!("walk.toml:{line}: {told}")), "{wrong}: {error}");
+    }
 }
 
 #[test]

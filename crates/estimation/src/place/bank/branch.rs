@@ -208,6 +208,7 @@ impl Bank {
             strain: 1.0,
             surprise: 1.0,
             elsewhere: false,
+            walls: 0.0,
             state: state.clone(),
         };
         let here = state.position_m.xy();

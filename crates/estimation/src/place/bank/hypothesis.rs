@@ -32,6 +32,8 @@ pub struct Hypothesis {
     pub surprise: f64,
     /// The way of the last metres leads across its roadway, and along another that it may be on instead.
     pub(super) elsewhere: bool,
+    /// Logarithm of the probability of being within the walls while it is not held, as it has gone into the weight.
+    pub(super) walls: f64,
     /// State and covariance.
     pub state: State,
 }
@@ -44,8 +46,10 @@ const BOUND: f64 = 9.0;
 const OFF_COST: f64 = 4.0;
 /// The same within a chamber.
 const CHAMBER_COST: f64 = 2.0;
-/// Walls of chambers are known by this, m.
+/// Walls are known by this, m.
 const WALL_M: f64 = 0.5;
+/// No place between walls is less probable than this.
+const IN_ROCK: f64 = 1e-6;
 /// Share of the variance across a roadway that is a side that somebody keeps to, and of that of the tag's height that is the wearer's own.
 const KEPT: f64 = 0.5;
 /// At corners people leave the centre line by this more, m.
@@ -73,7 +77,8 @@ impl Hypothesis {
     /// Holds it to its place after `walked_m`. What one look says weighs as much as `walked_m / 2λ` independent ones would, λ the length over which somebody's place across
     /// the roadway is forgotten: sums over a way then have the variance of the mean of a correlated sequence.
     ///
-    /// Where the way bends or leads elsewhere the place is only judged: a branch must not inherit that its parent was held to another roadway.
+    /// Where the way bends or leads elsewhere the place is only judged: a branch must not inherit that its parent was held to another roadway. Its walls
+    /// judge it then: the probability of being between them, which is that of the last place, not of all.
     pub(super) fn hold(&mut self, roadways: &Roadways, params: &BankParams, walked_m: f64, straight: bool) {
         let before = (!straight || self.elsewhere).then(|| self.state.clone());
         let rate = (0.5 * walked_m / params.forgotten_m).min(1.0);
@@ -82,6 +87,9 @@ impl Hypothesis {
                 self.advance(roadways);
                 let Place::Piece(index) = self.place else { return };
                 let Some(piece) = roadways.piece(index) else { return };
+                let walls = if before.is_some() { self.within_walls(piece) } else { 0.0 };
+                self.log_weight += walls - self.walls;
+                self.walls = walls;
                 self.hold_to_piece(roadways, piece, params, rate)
             }
             Place::Chamber(index) => {
@@ -130,6 +138,15 @@ impl Hypothesis {
             let Some(next) = next else { return };
             (left, self.place) = (Some(index), Place::Piece(next));
         }
+    }
+
+    /// Logarithm of the probability that it is between the walls of its roadway.
+    fn within_walls(&self, piece: &Piece) -> f64 {
+        let left_m = piece.on(&self.state.position_m.xy()).left_m;
+        let scale = libm::hypot(self.sigma_m(&piece.left()), WALL_M) * core::f64::consts::SQRT_2;
+        let below = |m: f64| libm::erf(m / scale);
+        let share = 0.5 * (below(piece.half_width_m - left_m) + below(piece.half_width_m + left_m));
+        libm::log(share.max(IN_ROCK))
     }
 
     fn hold_to_piece(&mut self, roadways: &Roadways, piece: &Piece, params: &BankParams, rate: f64) -> Held {

@@ -107,6 +107,7 @@ impl Bank {
                 strain: 1.0,
                 surprise: 1.0,
                 elsewhere: false,
+                walls: 0.0,
                 state,
             };
             self.insert(off);
@@ -118,6 +119,7 @@ impl Bank {
     pub(super) fn admit(&mut self, roadways: &Roadways, mut child: Hypothesis) {
         child.strain = 1.0;
         child.elsewhere = false;
+        child.walls = 0.0;
         if let Some(known) = self.hypotheses.iter_mut().find(|known| known.is_like(&child, roadways)) {
             if child.log_weight > known.log_weight {
                 child.id = known.id;
