@@ -8,6 +8,9 @@ use serde_json::Value;
 use std::fmt::Write;
 use std::path::PathBuf;
 
+/// A smaller share of the time is told.
+const WHOLE: f64 = 0.95;
+
 fn main() -> Result<()> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let [report, out] = arguments.as_slice() else { bail!("usage: everything_results REPORT.json OUT") };
@@ -48,7 +51,10 @@ fn cell(part: &Value, method: &str) -> Option<String> {
     let merit = &part["merit"][name];
     let Some(mean) = merit["mean"].as_f64() else { return Some("–".to_owned()) };
     let (runs, of) = (merit["runs"].as_u64()?, part["seeds"].as_u64()?);
-    let some = if runs < of { format!(" ({runs} of {of})") } else { String::new() };
+    let mut some = if runs < of { format!(" ({runs} of {of})") } else { String::new() };
+    if let Some(share) = merit["covered_share"].as_f64().filter(|share| *share < WHOLE) {
+        write!(some, " ({:.0} % of the time)", 100.0 * share).ok()?;
+    }
     let best = part["best"].as_str() == Some(name);
     Some(if best { format!("**{}**{some}", shown(mean)) } else { format!("{}{some}", shown(mean)) })
 }

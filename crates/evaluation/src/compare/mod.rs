@@ -31,7 +31,7 @@ pub use run::{
     Moments, RunErrors, RunOptions, TrueState, loop_error, path_errors_m, run_errors, run_errors_at_truth,
     run_motion,
 };
-pub use suite::{Difference, JudgedPart, Merit, Suite, SuitePart};
+pub use suite::{Difference, JudgedPart, Merit, Suite, SuitePart, covered_shares};
 pub use suite_html::{part_html, suite_html};
 pub use summary::{
     Comparison, Consistency, MethodSummary, Nees, NisSummary, OverSeeds, Quantiles, RunOutcome, summarise,

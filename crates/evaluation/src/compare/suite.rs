@@ -2,14 +2,20 @@
 
 use super::figure::Figure;
 use super::paired::PairedDifference;
+use super::run::RunErrors;
 use super::summary::Comparison;
 use crate::statistics::Statistics;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The method that everything else is held against, where it competes.
 const FIRST_CHOICE: &str = "fused";
+/// A contender said where it was within so long, or it did not, s.
+const SPAN_S: f64 = 10.0;
+/// From this share of the time on it counts as all of it, as `adit eval` has it.
+const WHOLE: f64 = 0.95;
 
 /// All parts; JSON as `adit compare --json` documents it for a suite.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,7 +66,7 @@ pub struct JudgedPart {
     /// For each method the contender that stands for it in the opening table.
     #[serde(serialize_with = "as_map")]
     pub table: Vec<(String, String)>,
-    /// The best of these, among those that came to the end of as many runs as any.
+    /// The best of these, among those that said nearly all the time where they were, and came to the end of as many runs as any.
     pub best: Option<String>,
     /// How much more the others err than `fused` where it competes, than the best where it does not.
     pub differences: Vec<Difference>,
@@ -79,6 +85,8 @@ pub struct Merit {
     pub worst: Option<f64>,
     /// Runs that it came to the end of.
     pub runs: usize,
+    /// Share of the time in which it said where it was, of the time in which any contender did; over these runs.
+    pub covered_share: Option<f64>,
     /// Of each run, in their order.
     pub of_runs: Vec<Option<f64>>,
 }
@@ -105,9 +113,40 @@ impl Merit {
             median: statistics.map(|s| s.median),
             worst: statistics.map(|s| s.max),
             runs: known.len(),
+            covered_share: None,
             of_runs,
         }
     }
+
+    /// Whether it said where it was nearly all the time that any contender did: what is silent in the dark does not err there.
+    pub fn is_whole(&self) -> bool {
+        self.covered_share.is_none_or(|share| share >= WHOLE)
+    }
+}
+
+/// Share of the time in which each contender gave judged moments, of the time in which any did; over the runs that it came to the end of.
+/// `errors` are those of each contender, run by run.
+pub fn covered_shares(errors: &[Vec<Option<&RunErrors>>]) -> Vec<Option<f64>> {
+    let spans = |run: &RunErrors| -> BTreeSet<i64> {
+        #[expect(clippy::cast_possible_truncation, reason = "seconds of a run")]
+        let span = |time_s: &f32| (f64::from(*time_s) / SPAN_S).floor() as i64;
+        run.time_s.iter().map(span).collect()
+    };
+    let each: Vec<Vec<Option<BTreeSet<i64>>>> =
+        errors.iter().map(|runs| runs.iter().map(|run| run.map(spans)).collect()).collect();
+    let runs = each.iter().map(Vec::len).max().unwrap_or(0);
+    let any: Vec<usize> = (0..runs)
+        .map(|run| {
+            let told = each.iter().filter_map(|contender| contender.get(run)?.as_ref());
+            told.flatten().collect::<BTreeSet<_>>().len()
+        })
+        .collect();
+    let share = |contender: &Vec<Option<BTreeSet<i64>>>| {
+        let of_runs = contender.iter().zip(&any).filter_map(|(told, any)| Some((told.as_ref()?.len(), *any)));
+        let (told, any) = of_runs.fold((0, 0), |(told, any), (t, a)| (told + t, any + a));
+        (any > 0).then(|| told as f64 / any as f64)
+    };
+    each.iter().map(share).collect()
 }
 
 impl JudgedPart {
@@ -144,8 +183,9 @@ impl JudgedPart {
     fn best_of_table(&self) -> Option<&str> {
         let entered =
             || self.table.iter().filter_map(|(_, name)| Some((name.as_str(), self.merit_of(name)?)));
-        let most = entered().map(|(_, merit)| merit.runs).max()?;
-        let whole = entered().filter(|(_, merit)| merit.runs == most);
+        let whole = || entered().filter(|(_, merit)| merit.is_whole());
+        let most = whole().map(|(_, merit)| merit.runs).max()?;
+        let whole = whole().filter(|(_, merit)| merit.runs == most);
         let known = whole.filter_map(|(name, merit)| Some((name, merit.mean?)));
         known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
     }
@@ -199,7 +239,10 @@ impl fmt::Display for Suite {
                 let best = if judged.best.as_ref() == Some(name) { "*" } else { "" };
                 let some =
                     if merit.runs < runs { format!(" ({} of {runs})", merit.runs) } else { String::new() };
-                write!(f, "  {method} {value}{best}{some}")?;
+                let silent = merit.covered_share.filter(|_| !merit.is_whole());
+                let silent =
+                    silent.map_or_else(String::new, |share| format!(" ({:.0} % of the time)", 100.0 * share));
+                write!(f, "  {method} {value}{best}{some}{silent}")?;
             }
             writeln!(f)?;
         }
@@ -213,4 +256,50 @@ fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -
         map.serialize_entry(name, value)?;
     }
     map.end()
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+
+    fn told(times_s: &[f32]) -> RunErrors {
+        RunErrors { time_s: times_s.to_vec(), ..RunErrors::default() }
+    }
+
+    #[test]
+    fn silence_is_a_share_of_the_time_that_anybody_spoke() {
+        let (often, seldom, half) =
+            (told(&[0.0, 5.0, 15.0, 25.0, 35.0]), told(&[9.0, 19.0, 29.0, 39.0]), told(&[1.0, 12.0]));
+        let shares = covered_shares(&[
+            vec![Some(&often), Some(&half)],
+            vec![Some(&seldom), None],
+            vec![Some(&half), Some(&half)],
+        ]);
+        assert_eq!(shares, [Some(1.0), Some(1.0), Some(4.0 / 6.0)]);
+        assert_eq!(covered_shares(&[vec![None]]), [None]);
+    }
+
+    #[test]
+    fn whoever_is_silent_is_not_the_best() {
+        let merit = |mean: f64, covered_share| Merit { covered_share, ..Merit::of(vec![Some(mean)]) };
+        let comparison = Comparison {
+            scenario: String::new(),
+            seeds: 1,
+            first_seed: None,
+            alignment: String::new(),
+            judged_from_s: 0.0,
+            judged_every_s: None,
+            judged_above_m_s: 0.0,
+            methods: Vec::new(),
+        };
+        let names = ["silent", "whole", "worse"].map(str::to_owned);
+        let merits = [merit(1.0, Some(0.5)), merit(2.0, Some(0.99)), merit(3.0, None)];
+        let table = names.iter().map(|name| (name.clone(), name.clone())).collect();
+        let merits = names.iter().cloned().zip(merits).collect();
+        let part = JudgedPart::new(comparison, vec!["only".to_owned()], merits, table, Vec::new());
+        assert_eq!(part.best.as_deref(), Some("whole"));
+        let difference = part.difference_of("silent").unwrap();
+        assert_eq!((difference.minus.as_str(), difference.difference.mean), ("whole", -1.0));
+    }
 }

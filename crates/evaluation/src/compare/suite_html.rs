@@ -73,7 +73,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
     let _ = writeln!(
         page,
         "<div class=\"wide\"><table class=\"parts\"><tr><th>contender</th><th>method</th><th>{figure}, {unit}: mean</th><th>median</th>\
-         <th>worst run</th><th>runs</th><th>{against}</th><th>below 2 m</th><th>NEES</th><th>one sample</th></tr>"
+         <th>worst run</th><th>runs</th><th>{against}</th><th>of the time</th><th>below 2 m</th><th>NEES</th><th>one sample</th></tr>"
     );
     for (name, summary) in &judged.comparison.methods {
         let Some(merit) = judged.merit_of(name) else { continue };
@@ -91,7 +91,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
         let nees = summary.nees.as_ref().map_or_else(|| "–".to_owned(), |nees| format!("{:.2}", nees.mean));
         let _ = writeln!(
             page,
-            "<tr><td>{}</td><td>{}</td><td{best}>{}</td><td>{}</td><td>{}</td><td>{} of {}</td><td>{difference}</td><td>{}</td>\
+            "<tr><td>{}</td><td>{}</td><td{best}>{}</td><td>{}</td><td>{}</td><td>{} of {}</td><td>{difference}</td><td>{}</td><td>{}</td>\
              <td>{nees}</td><td>{}</td></tr>",
             escape(name),
             escape(&summary.method),
@@ -100,6 +100,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
             cell(merit.worst),
             merit.runs,
             judged.comparison.seeds,
+            merit.covered_share.map_or_else(|| "–".to_owned(), |share| format!("{:.0} %", 100.0 * share)),
             summary.share_below_2m.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
             if summary.runs > 0 { format!("{:.0} ns", summary.time_per_step_ns) } else { "–".to_owned() },
         );
@@ -193,17 +194,21 @@ fn opening(page: &mut String, suite: &Suite) {
             };
             let value = merit.mean.map_or_else(|| "–".to_owned(), shown);
             let best = if judged.best.as_deref() == Some(name) { " class=\"best\"" } else { "" };
-            let some = if merit.runs < judged.comparison.seeds {
+            let mut some = if merit.runs < judged.comparison.seeds {
                 format!("<br><small>{} of {}</small>", merit.runs, judged.comparison.seeds)
             } else {
                 String::new()
             };
+            if let Some(share) = merit.covered_share.filter(|_| !merit.is_whole()) {
+                let _ = write!(some, "<br><small>{:.0} % time</small>", 100.0 * share);
+            }
             let _ = write!(page, "<td{best} title=\"{}\">{value}{some}</td>", escape(name));
         }
         *page += "</tr>\n";
     }
     *page += "</table></div>\n<p class=\"note\">Mean over the runs; less is better, the best of a row is marked. An empty field: the part does \
-        not have the sensors, or the method was not entered. A small number of runs beneath: the method came to the end of so many; a dash: of none.</p>\n";
+        not have the sensors, or the method was not entered. A small number of runs beneath: the method came to the end of so many; a dash: of none. \
+        A share of the time beneath: it said so seldom where it was, errs only there, and is not marked as the best.</p>\n";
 }
 
 /// A name as the target of a link.

@@ -14,7 +14,9 @@ use crate::suite_file::{Part, PartSource, Suite};
 use crate::verbs::recorded_set::SetRuns;
 use crate::verbs::trials::Trials;
 use adit_evaluation::alignment::Alignment;
-use adit_evaluation::compare::{self as report, Figure, JudgedPart, Merit, SuitePart, part_html, suite_html};
+use adit_evaluation::compare::{
+    self as report, Figure, JudgedPart, Merit, RunErrors, SuitePart, covered_shares, part_html, suite_html,
+};
 use adit_evaluation::plot::DistributionCurve;
 use adit_evaluation::statistics::Distribution;
 use anyhow::{Context, Result, bail};
@@ -200,16 +202,17 @@ fn compared(part: &Part, trials: &Trials, progress: &Progress) -> Result<Compare
 }
 
 fn merits(conducted: &Conducted, contest: &Contest, figure: Figure) -> Vec<(String, Merit)> {
-    let merit = |nth: usize| {
-        let runs = conducted.runs.iter();
-        Merit::of(runs.map(|run| figure.of(&run[nth].outcome.as_ref()?.errors)).collect())
+    let errors_of = |nth: usize| -> Vec<Option<&RunErrors>> {
+        conducted.runs.iter().map(|run| Some(&run[nth].outcome.as_ref()?.errors)).collect()
     };
-    contest
-        .contenders
-        .iter()
-        .enumerate()
-        .map(|(nth, contender)| (contender.name.clone(), merit(nth)))
-        .collect()
+    let errors: Vec<_> = (0..contest.contenders.len()).map(errors_of).collect();
+    let merit = |runs: &Vec<Option<&RunErrors>>, covered_share| {
+        let of_runs = runs.iter().map(|errors| figure.of((*errors)?)).collect();
+        Merit { covered_share, ..Merit::of(of_runs) }
+    };
+    let names = contest.contenders.iter().map(|contender| contender.name.clone());
+    let merits = errors.iter().zip(covered_shares(&errors)).map(|(runs, covered)| merit(runs, covered));
+    names.zip(merits).collect()
 }
 
 /// The methods that stand in any row; `fused` first, the others in the order of the command line.
