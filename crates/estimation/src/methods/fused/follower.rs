@@ -47,6 +47,11 @@ const BELIEF_FIXES: f64 = 30.0;
 const BELIEF_LEAST: f64 = 0.02;
 const BELIEF_MOST: f64 = 4.0;
 const MOST_OFF: f64 = 9.0;
+/// Heights are taken no more often, s: what the air errs lasts.
+const HEIGHTS_S: f64 = 1.0;
+/// People climb no faster, m/s; a height that changes by more than this beside, m, is a door.
+const CLIMB_M_S: f64 = 0.7;
+const DOOR_M: f64 = 0.7;
 /// Height of a tag on a foot above the floor, m.
 const FOOT_M: f64 = 0.1;
 /// A place that proved wrong without another to go to is wrong by about this, m.
@@ -105,6 +110,8 @@ pub struct Follower {
     /// Somebody who does not walk, and yet moves.
     rides: bool,
     pressure_pa: Option<f64>,
+    /// The last height by the barometer that was taken, m.
+    height: Option<(Time, f64)>,
     told: Option<Time>,
     /// The bank has moved since it was asked.
     moved: bool,
@@ -159,6 +166,7 @@ impl Follower {
             outliers: 0,
             rides: false,
             pressure_pa: None,
+            height: None,
             told: None,
             moved: false,
         })
@@ -374,11 +382,7 @@ impl Follower {
                 self.hold_fix(carrier, &weighed.unwrap_or(fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
-            Aiding::Height { height_m, .. } => {
-                let sigma_m = self.params.barometer_sigma_m;
-                self.bank
-                    .take(|state| state.see_height(*height_m, sigma_m, &back.way_m), self.params.nis_bound);
-            }
+            Aiding::Height { time, height_m } => self.hold_height(*time, *height_m, &back),
             Aiding::Sighting { time, reader } => {
                 let Some(reader) = self.readers.get(*reader) else { return };
                 // Uniform over the disc that it sees.
@@ -387,6 +391,23 @@ impl Follower {
                 self.hold_fix(carrier, &fix, &back, report);
             }
         }
+    }
+
+    /// A height by the barometer. Doors hold pressure: who passes one is told of a step that he did not climb.
+    fn hold_height(&mut self, time: Time, height_m: f64, back: &Back) {
+        if let Some((before, from_m)) = self.height {
+            let interval_s = (time - before).seconds();
+            if interval_s < HEIGHTS_S {
+                return;
+            }
+            let step_m = height_m - from_m;
+            if step_m.abs() > DOOR_M + CLIMB_M_S * interval_s {
+                self.bank.change(|state| state.covariance[(BAROMETER, BAROMETER)] += step_m * step_m);
+            }
+        }
+        self.height = Some((time, height_m));
+        let sigma_m = self.params.barometer_sigma_m;
+        self.bank.take(|state| state.see_height(height_m, sigma_m, &back.way_m), self.params.nis_bound);
     }
 
     /// A signal strength.

@@ -225,6 +225,13 @@ impl Bank {
         of_best
     }
 
+    /// Changes every hypothesis alike: what is no measurement of the place.
+    pub fn change(&mut self, change: impl Fn(&mut State)) {
+        for hypothesis in &mut self.hypotheses {
+            change(&mut hypothesis.state);
+        }
+    }
+
     /// All hypotheses, in no order.
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.hypotheses
