@@ -58,6 +58,8 @@ pub struct CarrierNoise {
     pub heading_walk_rad_sqrt_s: f64,
     /// Drift of the heading, standard deviation, rad/s.
     pub drift_sigma_rad_s: f64,
+    /// Heading of a magnetometer among steel and cables, standard deviation at least, rad.
+    pub magnetic_sigma_rad: f64,
     /// Time over which the heading of a magnetometer is off in the same way, s.
     pub magnetic_s: f64,
     /// Factor of the lengths, standard deviation about 1 at the start.
@@ -99,6 +101,7 @@ impl CarrierNoise {
         turn_walk_rad_sqrt_m: 0.0005,
         heading_walk_rad_sqrt_s: 2e-4,
         drift_sigma_rad_s: 1e-4,
+        magnetic_sigma_rad: 0.09,
         magnetic_s: 30.0,
         factor_sigma: 0.01,
         factor_walk_sqrt_m: 1e-4,
@@ -113,6 +116,7 @@ impl CarrierNoise {
         turn_walk_rad_sqrt_m: 0.005,
         heading_walk_rad_sqrt_s: 1e-4,
         drift_sigma_rad_s: 0.0,
+        magnetic_sigma_rad: 0.09,
         magnetic_s: 30.0,
         factor_sigma: 0.12,
         factor_walk_sqrt_m: 0.003,
@@ -137,6 +141,7 @@ impl CarrierNoise {
             ("noise.turn_walk_rad_sqrt_m", not_negative(self.turn_walk_rad_sqrt_m)),
             ("noise.heading_walk_rad_sqrt_s", not_negative(self.heading_walk_rad_sqrt_s)),
             ("noise.drift_sigma_rad_s", not_negative(self.drift_sigma_rad_s)),
+            ("noise.magnetic_sigma_rad", not_negative(self.magnetic_sigma_rad)),
             ("noise.magnetic_s", positive(self.magnetic_s)),
             ("noise.factor_sigma", not_negative(self.factor_sigma) && self.factor_sigma <= 0.5),
             ("noise.factor_walk_sqrt_m", not_negative(self.factor_walk_sqrt_m)),

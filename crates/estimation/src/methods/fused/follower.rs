@@ -294,7 +294,8 @@ impl Follower {
         state.spread(&place_m2);
         let heading = self.reckoned.as_ref().map_or(0.0, |now| now.covariance[(8, 8)]);
         if carrier.is_held_magnetic() {
-            state.covariance[(HEADING, HEADING)] = heading;
+            let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
+            state.covariance[(HEADING, HEADING)] = heading.max(least_rad2);
         }
         state
     }
@@ -318,7 +319,8 @@ impl Follower {
         let rest = |sigma: f64| sigma * sigma * interval_s;
         let heading = if carrier.is_held_magnetic() {
             let kept = libm::exp(-interval_s / noise.magnetic_s);
-            HeadingError::Magnetic { variance_rad2: heading_rad2, kept }
+            let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
+            HeadingError::Magnetic { variance_rad2: heading_rad2.max(least_rad2), kept }
         } else {
             let grown = (to.heading_rad2 - from.heading_rad2).max(0.0);
             HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }

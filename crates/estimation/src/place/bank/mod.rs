@@ -216,11 +216,11 @@ impl Bank {
                 of_best = Some(taken);
             }
         }
-        if self.roadways.is_some() {
-            self.settle();
-            if self.hypotheses.iter().all(|hypothesis| hypothesis.surprise > CONTRADICTED) {
-                self.reopen(CARRIED_AWAY.0, CARRIED_AWAY.1, CARRIED_AWAY.2);
-            }
+        self.settle();
+        if self.roadways.is_some()
+            && self.hypotheses.iter().all(|hypothesis| hypothesis.surprise > CONTRADICTED)
+        {
+            self.reopen(CARRIED_AWAY.0, CARRIED_AWAY.1, CARRIED_AWAY.2);
         }
         of_best
     }
