@@ -9,6 +9,7 @@
 
 use super::aiding::{Aiding, Waiting};
 use super::carrier::Carrier;
+use super::ears::Ears;
 use super::method::FusedReport;
 use super::params::FusedParams;
 use super::signals::Signals;
@@ -20,7 +21,6 @@ use crate::place::params::{CarrierNoise, PlaceParams};
 use crate::place::state::Back;
 use crate::place::state::{HeadingError, Stretch};
 use crate::place::trail::Trail;
-use crate::radio::RadioSite;
 use crate::radio::site::Reader;
 use crate::ranging::listener::RangeListener;
 use crate::ranging::solver::Solver;
@@ -29,11 +29,10 @@ use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
 use adit_observation::{FixSource, Observation, StartPose};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The name under which settings are refused.
-use super::NAME;
 /// The place filter moves no more often: what a carrier does within is a straight line to it.
 const TICK: Interval = Interval::from_nanos(95_000_000);
 /// Height of a tag on a foot above the floor, m.
@@ -55,7 +54,6 @@ pub struct Follower {
     pub(super) mounted: bool,
     pub(super) bank: Bank,
     /// What it says, until it moves.
-    #[serde(skip)]
     pub(super) estimate: Option<Estimate>,
     pub(super) search: Option<Search>,
     pub(super) searched: Option<(Time, Vector3<f64>)>,
@@ -67,7 +65,7 @@ pub struct Follower {
     pub(super) floor_m: Option<(f64, f64)>,
     pub(super) radio: Option<RadioFixes>,
     pub(super) signals: Option<Signals>,
-    pub(super) readers: Vec<Reader>,
+    pub(super) readers: Arc<[Reader]>,
     /// What the covariance of positions by radio is multiplied by, of each source.
     pub(super) belief: [f64; FixSource::ALL.len()],
     /// Last time each link was heard, by anchor.
@@ -98,13 +96,7 @@ impl Follower {
     /// Of a carrier with these settings.
     pub fn new(params: &FusedParams, carrier: &Carrier) -> Result<Self, MethodError> {
         let site = params.site.as_deref();
-        let ranges = site
-            .filter(|site| !site.anchors.is_empty())
-            .map(|site| RangeListener::new(NAME, Some(site), params.ranges.clone()))
-            .transpose()?;
-        let mut radio = params.steps.clone();
-        radio.site.clone_from(&params.site);
-        let known = site.is_some_and(RadioSite::has_signals);
+        let ears = Ears::new(params)?;
         Ok(Self {
             params: params.place,
             noise: carrier.noise(params),
@@ -117,15 +109,15 @@ impl Follower {
             searched: None,
             trail: Trail::default(),
             waiting: Waiting::default(),
-            ranges,
+            ranges: ears.ranges.clone(),
             solver: Solver::new(params.solver, site),
             floor_m: params
                 .solver
                 .height_m
                 .map(|height_m| (height_m, params.solver.height_sigma_m.max(LEAST_HEIGHT_M))),
-            radio: if known { RadioFixes::new(&radio)? } else { None },
-            signals: site.and_then(|site| Signals::new(site, &params.steps.radio)),
-            readers: site.map(|site| site.readers.clone()).unwrap_or_default(),
+            radio: ears.radio.clone(),
+            signals: ears.signals.clone(),
+            readers: Arc::clone(&ears.readers),
             belief: [1.0; FixSource::ALL.len()],
             heard: Vec::new(),
             reckoned: None,
@@ -149,6 +141,11 @@ impl Follower {
         self.bank.best().is_some()
     }
 
+    /// Once there is a place each signal is held against it by itself, and nothing is made of scans.
+    pub(super) fn takes_signals_alone(&self) -> bool {
+        self.signals.is_some() && self.is_placed()
+    }
+
     /// Takes what is not the carrier's own.
     #[inline]
     pub fn observe(&mut self, observation: &Observation, report: &mut FusedReport) {
@@ -159,8 +156,11 @@ impl Follower {
                 }
             }
             Observation::Signal(signal) => {
-                if let Some(radio) = &mut self.radio {
-                    radio.observe(signal);
+                let alone = self.takes_signals_alone();
+                match &mut self.radio {
+                    Some(radio) if alone => radio.count(signal),
+                    Some(radio) => radio.observe(signal),
+                    None => {}
                 }
                 let (time, rssi_dbm) = (signal.time, signal.rssi_dbm);
                 let known = self.signals.as_ref().and_then(|signals| signals.transmitter(signal));
@@ -192,6 +192,7 @@ impl Follower {
         }
         if let Some(radio) = &mut self.radio
             && !matches!(observation, Observation::Range(_))
+            && !(self.signals.is_some() && self.bank.best().is_some())
         {
             while let Some(fix) = radio.due(observation.time()) {
                 self.waiting.push(Aiding::Radio(fix), report);
@@ -213,6 +214,23 @@ impl Follower {
         if let Some(radio) = &self.radio {
             report.signals = Some(radio.report().clone());
         }
+    }
+
+    /// Gives a follower that was read back its site again: that of the settings it began with, shared with others there.
+    pub fn attach(&mut self, params: &FusedParams) -> Result<(), MethodError> {
+        let ears = Ears::new(params)?;
+        self.bank.attach(params.site.as_ref().and_then(|site| site.roadways.clone()));
+        if let (Some(own), Some(shared)) = (&mut self.ranges, &ears.ranges) {
+            own.share(shared);
+        }
+        if let (Some(own), Some(shared)) = (&mut self.radio, &ears.radio) {
+            own.share(shared);
+        }
+        if let (Some(own), Some(shared)) = (&mut self.signals, &ears.signals) {
+            own.share(shared);
+        }
+        self.readers = Arc::clone(&ears.readers);
+        Ok(())
     }
 
     /// The carrier has come to a place in its own frame; gives where that is on the map.

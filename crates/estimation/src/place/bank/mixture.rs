@@ -17,7 +17,7 @@ const BAD_START: f64 = 9.0;
 const LINE_95: f64 = 3.841_458_820_694_124;
 
 /// What a bank says of where somebody is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Reported place, in the air of a roadway where the hypothesis is on one, m.
     pub position_m: Vector3<f64>,
