@@ -29,6 +29,7 @@ use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
 use adit_observation::{FixSource, Observation, StartPose};
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -63,7 +64,7 @@ pub struct Follower {
     pub(super) solver: Solver,
     /// Height of the tag on a level floor, and its standard deviation, m, where somebody told it.
     pub(super) floor_m: Option<(f64, f64)>,
-    pub(super) radio: Option<RadioFixes>,
+    pub(super) radio: Option<Box<RadioFixes>>,
     pub(super) signals: Option<Signals>,
     pub(super) readers: Arc<[Reader]>,
     /// What the covariance of positions by radio is multiplied by, of each source.
@@ -115,7 +116,7 @@ impl Follower {
                 .solver
                 .height_m
                 .map(|height_m| (height_m, params.solver.height_sigma_m.max(LEAST_HEIGHT_M))),
-            radio: ears.radio.clone(),
+            radio: ears.radio.clone().map(Box::new),
             signals: ears.signals.clone(),
             readers: Arc::clone(&ears.readers),
             belief: [1.0; FixSource::ALL.len()],
@@ -205,7 +206,7 @@ impl Follower {
         while let Some(epoch) = self.ranges.as_mut().and_then(RangeListener::finish) {
             self.waiting.push(Aiding::Ranges(epoch), report);
         }
-        while let Some(fix) = self.radio.as_mut().and_then(RadioFixes::finish) {
+        while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
             self.waiting.push(Aiding::Radio(fix), report);
         }
         if let Some(ranges) = &self.ranges {

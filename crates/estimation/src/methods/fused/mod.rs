@@ -25,6 +25,7 @@ mod holding;
 mod method;
 mod params;
 mod placing;
+mod repeats;
 mod signals;
 
 pub use carrier::CarrierKind;
@@ -46,6 +47,7 @@ use alloc::vec::Vec;
 use carrier::Carrier;
 use evidence::Evidence;
 use follower::Follower;
+use repeats::Repeats;
 use serde::{Deserialize, Serialize};
 
 /// Name of the method.
@@ -57,6 +59,7 @@ const MOST_DUE: usize = 1;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Fused {
     stage: Stage,
+    repeats: Repeats,
     due: VecDeque<Solution>,
     report: FusedReport,
 }
@@ -86,6 +89,7 @@ impl Fused {
         }
         Ok(Self {
             stage: Stage::Looking(Box::new((params, Evidence::default()))),
+            repeats: Repeats::default(),
             due: VecDeque::with_capacity(MOST_DUE),
             report: FusedReport::default(),
         })
@@ -94,6 +98,9 @@ impl Fused {
     /// One observation in, at most one solution out; further ones come with [`Self::next_due`].
     #[inline]
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
+        if self.repeats.is_repeated(observation) {
+            return self.next_due();
+        }
         match &mut self.stage {
             Stage::Looking(looking) => {
                 let (params, evidence) = looking.as_mut();

@@ -108,7 +108,7 @@ pub struct Bank {
 impl Bank {
     /// Without anybody in it; without roadways one filter.
     pub fn new(params: BankParams, roadways: Option<Arc<Roadways>>) -> Self {
-        let mut bank = Self {
+        Self {
             hypotheses: Vec::new(),
             params,
             roadways,
@@ -122,9 +122,7 @@ impl Bank {
             reopened_m: f64::MAX,
             reopened: 0,
             factor: (1.0, 0.0),
-        };
-        bank.hypotheses.reserve_exact(bank.room());
-        bank
+        }
     }
 
     /// Gives a bank that was read back its roadways again: those that it had. A hypothesis on what they do not have is off the map.
@@ -140,8 +138,6 @@ impl Bank {
             }
         }
         self.roadways = roadways;
-        let room = self.room();
-        self.hypotheses.reserve_exact(room.saturating_sub(self.hypotheses.len()));
     }
 
     /// Most hypotheses that there can be.
