@@ -28,7 +28,7 @@ use adit_core::attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
-use adit_observation::{FixSource, Observation, StartPose};
+use adit_observation::{Observation, StartPose};
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -68,8 +68,6 @@ pub struct Follower {
     pub(super) radio: Option<RadioFixes>,
     pub(super) signals: Option<Signals>,
     pub(super) readers: Vec<Reader>,
-    /// What the covariance of positions by radio is multiplied by, of each source.
-    pub(super) belief: [f64; FixSource::ALL.len()],
     /// Last time each link was heard, by anchor.
     pub(super) heard: Vec<(usize, Time)>,
     /// The carrier's last solution, and where the bank has come to.
@@ -126,7 +124,6 @@ impl Follower {
             radio: if known { RadioFixes::new(&radio)? } else { None },
             signals: site.and_then(|site| Signals::new(site, &params.steps.radio)),
             readers: site.map(|site| site.readers.clone()).unwrap_or_default(),
-            belief: [1.0; FixSource::ALL.len()],
             heard: Vec::new(),
             reckoned: None,
             walked: None,
