@@ -28,7 +28,7 @@ use adit_core::attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
-use adit_observation::{FixSource, Observation, StartPose};
+use adit_observation::{Observation, StartPose};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -67,8 +67,6 @@ pub struct Follower {
     pub(super) radio: Option<Box<RadioFixes>>,
     pub(super) signals: Option<Signals>,
     pub(super) readers: Arc<[Reader]>,
-    /// What the covariance of positions by radio is multiplied by, of each source.
-    pub(super) belief: [f64; FixSource::ALL.len()],
     /// Last time each link was heard, by anchor.
     pub(super) heard: Vec<(usize, Time)>,
     /// The carrier's last solution, and where the bank has come to.
@@ -119,7 +117,6 @@ impl Follower {
             radio: ears.radio.clone().map(Box::new),
             signals: ears.signals.clone(),
             readers: Arc::clone(&ears.readers),
-            belief: [1.0; FixSource::ALL.len()],
             heard: Vec::new(),
             reckoned: None,
             walked: None,

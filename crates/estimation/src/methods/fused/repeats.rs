@@ -56,7 +56,5 @@ impl Repeats {
 /// FNV-1a, 64 bits (Fowler, Noll & Vo): two devices are one only if they have the same one and the same nanosecond.
 fn digest(kind: ObservationKind, device: &str) -> u64 {
     let bytes = [kind as u8].into_iter().chain(device.bytes());
-    bytes.fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
-        (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    bytes.fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

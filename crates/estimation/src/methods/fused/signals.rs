@@ -73,9 +73,13 @@ pub struct Expected {
 }
 
 impl Signals {
-    /// Where transmitters of known places are all that is known of the radio; a survey knows more than a path loss.
+    /// Where transmitters of known places beside roadways are all that is known of the radio. Along a roadway a strength tells a place; on an open floor it tells a ring, and all strengths
+    /// of a scan together are a better measurement. A survey knows more than a path loss.
     pub fn new(site: &RadioSite, params: &PdrRadio) -> Option<Self> {
-        let whole = params.used && params.locator.method == LocatorMethod::Auto && site.surveyed.is_none();
+        let whole = params.used
+            && params.locator.method == LocatorMethod::Auto
+            && site.surveyed.is_none()
+            && site.roadways.is_some();
         if !whole || site.transmitters.is_empty() {
             return None;
         }
