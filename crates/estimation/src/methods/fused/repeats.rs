@@ -1,8 +1,8 @@
 //! What comes twice counts once.
 //!
 //! A gateway that sends again, or two gateways that heard the same, make copies: same kind, same device, same time. What is wired comes in order, so that a copy has the time of
-//! the one before. What comes by radio is remembered for the last [`MOST`] observations; ranges are told apart within their epoch ([`crate::ranging::epochs`]), and
-//! pressures are taken no more often than once a second.
+//! the one before. What comes by radio is remembered for the last [`MOST`] observations; ranges are told apart within their epoch
+//! ([`crate::ranging::epochs`]).
 
 use adit_core::time::Time;
 use adit_observation::{Observation, ObservationKind};
@@ -16,7 +16,7 @@ pub const MOST: usize = 64;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Repeats {
     /// The last of each kind that is wired.
-    wired: [Option<Time>; 3],
+    wired: [Option<Time>; 4],
     /// Digest of kind and device, and the time.
     heard: VecDeque<(u64, Time)>,
 }
@@ -30,6 +30,7 @@ impl Repeats {
             Observation::Imu(_) => self.wired[0].replace(time) == Some(time),
             Observation::Acceleration(_) => self.wired[1].replace(time) == Some(time),
             Observation::Magnetic(_) => self.wired[2].replace(time) == Some(time),
+            Observation::Pressure(_) => self.wired[3].replace(time) == Some(time),
             Observation::Signal(signal) => {
                 self.is_known(digest(observation.kind(), signal.transmitter.as_str()), time)
             }
@@ -37,7 +38,7 @@ impl Repeats {
                 self.is_known(digest(observation.kind(), sighting.reader.as_str()), time)
             }
             Observation::Fix(fix) => self.is_known(digest(observation.kind(), fix.source.name()), time),
-            Observation::Range(_) | Observation::Pressure(_) => false,
+            Observation::Range(_) => false,
         }
     }
 
