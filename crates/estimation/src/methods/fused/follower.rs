@@ -75,9 +75,9 @@ pub struct Follower {
     pub(super) walked: Option<Walked>,
     /// Until when observations hold the place.
     pub(super) held_until: Option<Time>,
+    /// And until when ranges do.
+    pub(super) ranged_until: Option<Time>,
     pub(super) outliers: u32,
-    /// Until when somebody who does not walk is taken to ride.
-    pub(super) rides_until: Option<Time>,
     pub(super) pressure_pa: Option<f64>,
     /// The last height by the barometer that was taken, m.
     pub(super) height: Option<(Time, f64)>,
@@ -128,8 +128,8 @@ impl Follower {
             reckoned: None,
             walked: None,
             held_until: None,
+            ranged_until: None,
             outliers: 0,
-            rides_until: None,
             pressure_pa: None,
             height: None,
             told: None,
@@ -259,8 +259,7 @@ impl Follower {
             HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
-        let rides = self.rides_until.is_some_and(|until| now.time < until);
-        let moved = if rides { self.params.ride_m_s * interval_s } else { GAP_SPEED_M_S * gap_s };
+        let moved = GAP_SPEED_M_S * gap_s;
         self.bank.walk(&Stretch {
             way_m,
             interval_s,
@@ -310,7 +309,9 @@ impl Follower {
         solution.attitude = attitude::exp(&(Vector3::z() * -state.turn_rad)) * now.attitude;
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&estimate.covariance_m2);
+        let ranged = self.ranged_until.is_some_and(|until| now.time <= until);
+        let stated = if ranged { self.params.stated_by_ranges } else { 1.0 };
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&(estimate.covariance_m2 * stated));
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {

@@ -20,9 +20,6 @@ const CLIMB_M_S: f64 = 0.7;
 const DOOR_M: f64 = 0.7;
 /// A place that proved wrong without another to go to is wrong by about this, m.
 const REOPENED_M: f64 = 10.0;
-/// Slower than this nobody walks, m/s; who is moved all the same is taken to ride for so long.
-const STANDS_M_S: f64 = 0.3;
-const RIDE: Interval = Interval::from_nanos(20_000_000_000);
 /// Epochs in a row that contradict the place, after which it is the place that is wrong.
 const MOST_OUTLIERS: u32 = 4;
 /// After so long without another range the place is dead reckoning.
@@ -173,21 +170,14 @@ impl Follower {
         if count == 0 {
             return;
         }
-        self.held_until = self.held_until.max(Some(time + RANGED_HOLD));
+        self.ranged_until = self.ranged_until.max(Some(time + RANGED_HOLD));
+        self.held_until = self.held_until.max(self.ranged_until);
         let contradicts = sum > bound * f64::from(count);
         self.outliers = if contradicts { self.outliers + 1 } else { 0 };
-        if contradicts && self.stands(time) {
-            self.rides_until = Some(time + RIDE);
-        }
         if self.outliers >= MOST_OUTLIERS {
             self.outliers = 0;
             self.reopen(links, back, report);
         }
-    }
-
-    /// Whether the carrier has hardly moved of late.
-    fn stands(&self, time: Time) -> bool {
-        self.trail.velocity_m_s(time).norm() < STANDS_M_S
     }
 
     /// Epoch after epoch contradicts the place.
