@@ -22,11 +22,13 @@ mod follower;
 mod method;
 mod params;
 mod signals;
+mod smoothing;
 
 pub use carrier::CarrierKind;
 pub use evidence::Process;
 pub use method::FusedReport;
 pub use params::FusedParams;
+pub use smoothing::smooth;
 
 use crate::methods::ins_wifi::{InsWifi, Reduced, reduced};
 use crate::methods::uwb_filter::UwbFilter;
