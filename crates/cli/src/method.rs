@@ -194,16 +194,16 @@ fn known(sidecar: &Sidecar) -> Known {
         site: sidecar.site,
         start: sidecar.start,
         mounted: sidecar.mounting.rotation.is_some(),
-        worn: sidecar.mounting.location.and_then(worn),
+        worn: sidecar.mounting.location.map(worn),
     }
 }
 
 /// On a foot, elsewhere on the body, or on no body.
-fn worn(location: Location) -> Option<Worn> {
+fn worn(location: Location) -> Worn {
     match location {
-        Location::Foot => Some(Worn::Foot),
-        Location::Vehicle | Location::Other => None,
-        _ => Some(Worn::Body),
+        Location::Foot => Worn::Foot,
+        Location::Vehicle | Location::Other => Worn::Elsewhere,
+        _ => Worn::Body,
     }
 }
 

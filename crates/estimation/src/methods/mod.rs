@@ -85,6 +85,8 @@ pub enum Worn {
     Foot,
     /// Anywhere else on somebody who walks: waist, chest, head, pocket, hand.
     Body,
+    /// On nobody's body: a tool, a vehicle, a hand that turns it about.
+    Elsewhere,
 }
 
 /// What is known of a sensor and a site beside the log; a method takes what it can use.

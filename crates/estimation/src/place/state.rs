@@ -88,6 +88,22 @@ pub struct Stretch {
 }
 
 impl Stretch {
+    /// No way and no time, in which the barometer's offset jumps by a step of this variance, m².
+    pub fn jump(barometer_m2: f64) -> Self {
+        Self {
+            way_m: Vector3::zeros(),
+            interval_s: 0.0,
+            along_m2: 0.0,
+            across_m2: 0.0,
+            up_m2: 0.0,
+            about_m2: 0.0,
+            heading: HeadingError::Gyro { walk_rad2: 0.0 },
+            turn_rad2: 0.0,
+            factor2: 0.0,
+            barometer_m2,
+        }
+    }
+
     /// The same way walked back: random walks and what a magnetometer errs are the same in both directions of time.
     #[must_use]
     pub fn back(self) -> Self {

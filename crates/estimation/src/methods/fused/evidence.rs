@@ -37,6 +37,8 @@ pub enum Process {
     Ranges,
     /// Signal strengths alone.
     Signals,
+    /// Attitude alone.
+    Attitude,
 }
 
 /// The beginning of a log.
@@ -51,8 +53,6 @@ pub struct Evidence {
     swinging: u32,
     magnetic: bool,
     ranges: bool,
-    signals: bool,
-    fixes: bool,
 }
 
 impl Evidence {
@@ -74,9 +74,10 @@ impl Evidence {
             Observation::Acceleration(_) => self.inertial += 1,
             Observation::Magnetic(_) => self.magnetic = true,
             Observation::Range(_) => self.ranges = true,
-            Observation::Signal(_) => self.signals = true,
-            Observation::Fix(_) => self.fixes = true,
-            Observation::Pressure(_) | Observation::Sighting(_) => {}
+            Observation::Signal(_)
+            | Observation::Fix(_)
+            | Observation::Pressure(_)
+            | Observation::Sighting(_) => {}
         }
         let looked = self.latest? - self.first?;
         let enough = match params.worn {
@@ -97,7 +98,7 @@ impl Evidence {
             (Some(first), Some(latest)) => (latest - first).seconds(),
             _ => 0.0,
         };
-        let foot = if self.magnetic { CarrierKind::Marg } else { CarrierKind::Foot };
+        let foot = if self.magnetic && params.compass { CarrierKind::Marg } else { CarrierKind::Foot };
         if self.inertial == 0 {
             return if self.ranges { Process::Ranges } else { Process::Signals };
         }
@@ -107,10 +108,11 @@ impl Evidence {
             _ if slow && params.strapdown.start.is_some() && params.strapdown.site.is_some() => {
                 Process::Strapdown
             }
-            Some(Worn::Body) => Process::Carried(CarrierKind::Steps),
+            Some(Worn::Elsewhere) if !self.ranges => Process::Attitude,
+            Some(Worn::Elsewhere) => Process::Ranges,
             None if self.ranges => Process::Ranges,
             None if self.swings() => Process::Carried(foot),
-            None => Process::Carried(CarrierKind::Steps),
+            Some(Worn::Body) | None => Process::Carried(CarrierKind::Steps),
         }
     }
 

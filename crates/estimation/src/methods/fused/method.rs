@@ -91,6 +91,8 @@ impl MethodSettings for FusedParams {
     fn knowing(mut self, known: &Known) -> Self {
         self.worn = known.worn.or(self.worn);
         self.start = known.start.or(self.start);
+        self.compass |= known.declination_rad.is_some() || known.field.is_some();
+        self.attitude = self.attitude.knowing(known);
         self.foot = self.foot.knowing(known);
         self.marg = self.marg.knowing(known);
         self.steps = self.steps.knowing(known);

@@ -5,6 +5,7 @@
 //! log → evidence ──┼ body: steps (pdr)                                       ├→ follower: place, heading, scale … held by ranges, signal
 //!                  │                                                         ┘   strengths, fixes, barometer, portals, roadways (place)
 //!                  ├ strapdown between fixes, of a sensor too slow for steps (ins_wifi)
+//!                  ├ on nobody's body: attitude alone (ahrs), or ranges
 //!                  └ nothing felt: ranges alone (uwb_filter), signal strengths alone (wifi)
 //! ```
 //!
@@ -19,8 +20,10 @@ mod aiding;
 mod carrier;
 mod evidence;
 mod follower;
+mod holding;
 mod method;
 mod params;
+mod placing;
 mod signals;
 mod smoothing;
 
@@ -30,6 +33,7 @@ pub use method::FusedReport;
 pub use params::FusedParams;
 pub use smoothing::smooth;
 
+use crate::methods::ahrs::Ahrs;
 use crate::methods::ins_wifi::{InsWifi, Reduced, reduced};
 use crate::methods::uwb_filter::UwbFilter;
 use crate::methods::wifi::Wifi;
@@ -69,6 +73,8 @@ enum Stage {
     Ranges(Box<UwbFilter>),
     /// Signal strengths alone.
     Signals(Box<Wifi>),
+    /// Attitude alone.
+    Attitude(Box<Ahrs>),
 }
 
 impl Fused {
@@ -129,6 +135,7 @@ impl Fused {
             Stage::Strapdown(method) => due.extend(ended(method.as_mut(), report)?),
             Stage::Ranges(method) => due.extend(ended(method.as_mut(), report)?),
             Stage::Signals(method) => due.extend(ended(method.as_mut(), report)?),
+            Stage::Attitude(method) => due.extend(ended(method.as_mut(), report)?),
         }
         let solution = self.due.pop_front();
         if let Some(solution) = &solution {
@@ -163,6 +170,7 @@ impl Fused {
                 alone.site.clone_from(&params.site);
                 Stage::Signals(Box::new(Wifi::new(alone)?))
             }
+            Process::Attitude => Stage::Attitude(Box::new(Ahrs::new(params.attitude.clone())?)),
         };
         let Stage::Looking(evidence) = core::mem::replace(&mut self.stage, stage) else { return Ok(()) };
         let kept: Vec<Observation> = evidence.kept;
@@ -187,6 +195,7 @@ impl Fused {
             Stage::Strapdown(method) => drive(method.as_mut(), observation, due)?,
             Stage::Ranges(method) => drive(method.as_mut(), observation, due)?,
             Stage::Signals(method) => drive(method.as_mut(), observation, due)?,
+            Stage::Attitude(method) => drive(method.as_mut(), observation, due)?,
         }
         for solution in due.iter().skip(before) {
             report.count(solution);

@@ -1,6 +1,7 @@
 //! Settings of `fused`: one default for every tag and every mine; a sidecar tells where a tag is worn.
 
 use crate::methods::Worn;
+use crate::methods::ahrs::AhrsParams;
 use crate::methods::foot_ins::FootInsParams;
 use crate::methods::ins_wifi::InsWifiParams;
 use crate::methods::marg_ins::MargInsParams;
@@ -22,6 +23,8 @@ pub struct FusedParams {
     /// Where the tag is worn; absent: the log tells.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worn: Option<Worn>,
+    /// The magnetometer of a tag on a foot is calibrated, so that its heading counts; a sidecar that has the declination or the field of the site tells.
+    pub compass: bool,
     /// Pose at the first inertial sample, where somebody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartPose>,
@@ -43,6 +46,8 @@ pub struct FusedParams {
     pub steps: PdrParams,
     /// Strapdown between fixes, of a sensor too slow for steps.
     pub strapdown: InsWifiParams,
+    /// Attitude of what nobody wears.
+    pub attitude: AhrsParams,
     /// Ranges alone.
     pub ranges_alone: UwbRkfParams,
     /// Signal strengths alone.
@@ -56,6 +61,7 @@ impl Default for FusedParams {
     fn default() -> Self {
         Self {
             worn: None,
+            compass: false,
             start: None,
             place: PlaceParams::default(),
             foot_noise: CarrierNoise::FOOT,
@@ -66,6 +72,7 @@ impl Default for FusedParams {
             marg: MargInsParams::default(),
             steps: PdrParams::default(),
             strapdown: InsWifiParams::default(),
+            attitude: AhrsParams::default(),
             ranges_alone: UwbRkfParams::default(),
             signals_alone: WifiParams::default(),
             site: None,

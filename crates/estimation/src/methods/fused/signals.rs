@@ -43,7 +43,7 @@ pub struct Signals {
     last: Vec<Option<Heard>>,
     correlation_m: f64,
     correlation_s: f64,
-    /// V and σ_s², dB².
+    /// V and `σ_s²`, dB².
     whole_db2: f64,
     shadow_db2: f64,
     learnt: [f64; 2],

@@ -13,7 +13,7 @@ use super::carrier::{Carrier, CarrierKind};
 use super::evidence::{Evidence, Process};
 use super::follower::{Follower, TICK, Walked};
 use super::{Fused, FusedParams, FusedReport};
-use crate::methods::{Method, MethodError, MethodWarning, foot_ins};
+use crate::methods::{Method, MethodError, MethodReport, MethodWarning, ahrs, foot_ins};
 use crate::place::smoother::Segment;
 use crate::place::state::State;
 use adit_core::attitude;
@@ -36,12 +36,17 @@ pub fn smooth(
 ) -> Result<(Vec<Solution>, FusedReport), MethodError> {
     // Refuses what cannot be worked with.
     let streaming = Fused::new(params.clone())?;
-    let Process::Carried(kind) = process(&params, log) else {
-        return stream(streaming, log, progress);
+    let kind = match process(&params, log) {
+        Process::Carried(kind) => kind,
+        Process::Attitude => {
+            let (solutions, alone) = ahrs::smooth(params.attitude, log, progress)?;
+            return Ok(of_one(solutions, Process::Attitude, alone.warnings()));
+        }
+        Process::Strapdown | Process::Ranges | Process::Signals => return stream(streaming, log, progress),
     };
     let mut run = Run::new(kind, &params)?;
     run.forward(log, progress)?;
-    let segments = run.follower.bank_mut().finish();
+    let segments = run.follower.bank.finish();
     if !segments.is_empty() {
         return Ok(run.backward(&segments, params.place.lost_m));
     }
@@ -49,9 +54,19 @@ pub fn smooth(
         return stream(streaming, log, progress);
     }
     let (solutions, alone) = foot_ins::smooth(params.foot, log, &mut |done| progress(log.len() + done / 2))?;
-    let mut report = FusedReport { warnings: alone.warnings, ..run.report };
+    Ok(of_one(solutions, Process::Carried(kind), alone.warnings()))
+}
+
+/// What one method alone smoothed.
+fn of_one(
+    solutions: Vec<Solution>,
+    process: Process,
+    warnings: &[MethodWarning],
+) -> (Vec<Solution>, FusedReport) {
+    let warnings = warnings.to_vec();
+    let mut report = FusedReport { process: Some(process), warnings, ..FusedReport::default() };
     solutions.iter().for_each(|solution| report.count(solution));
-    Ok((solutions, report))
+    (solutions, report)
 }
 
 /// How the tag of a log is carried: told from its beginning, as it streams.
@@ -106,7 +121,7 @@ impl Run {
     fn new(kind: CarrierKind, params: &FusedParams) -> Result<Self, MethodError> {
         let carrier = Carrier::new(kind, params)?;
         let mut follower = Follower::new(params, &carrier)?;
-        follower.bank_mut().record();
+        follower.bank.record();
         let report = FusedReport { process: Some(Process::Carried(kind)), ..FusedReport::default() };
         Ok(Self { carrier, follower, report, reckoned: Vec::new() })
     }
@@ -136,7 +151,7 @@ impl Run {
         if newer {
             self.reckoned.push((now.clone(), None));
         }
-        self.follower.bank_mut().at(self.reckoned.len() - 1);
+        self.follower.bank.at(self.reckoned.len() - 1);
         let told = self.follower.reckon(&self.carrier, now, &mut self.report)?;
         if let (Some(told), Some((_, quality))) = (told, self.reckoned.last_mut()) {
             *quality = Some(told.quality);
