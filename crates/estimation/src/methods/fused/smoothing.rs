@@ -162,11 +162,14 @@ impl Run {
     /// From the end to the beginning: the carrier's solutions become those on the map.
     fn backward(mut self, segments: &[Segment], lost_m: f64) -> (Vec<Solution>, FusedReport) {
         let mut until = self.reckoned.len();
-        let mut first = None;
+        let mut first: Option<Node> = None;
         for segment in segments.iter().rev() {
             let mut later: Option<Node> = None;
             segment.smooth(|at, state| {
-                let node = Node { at, there: Walked::of(&self.reckoned[at].0), state };
+                // What the carrier told at an instant is gone once its place on the map is.
+                let known = later.as_ref().or(first.as_ref()).filter(|known| known.at == at);
+                let there = known.map_or_else(|| Walked::of(&self.reckoned[at].0), |known| known.there);
+                let node = Node { at, there, state };
                 let end = later.as_ref().map_or(until, |later| later.at.min(until));
                 for (reckoned, _) in self.reckoned.iter_mut().take(end).skip(at) {
                     let (place_m, covariance_m2) = node.toward(later.as_ref(), reckoned);
