@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 /// The name under which settings are refused.
 use super::NAME;
 /// The place filter moves no more often: what a carrier does within is a straight line to it.
-const TICK: Interval = Interval::from_nanos(95_000_000);
+pub(super) const TICK: Interval = Interval::from_nanos(95_000_000);
 /// Height of a tag on a foot above the floor, m.
 const FOOT_M: f64 = 0.1;
 /// A height that is known is known to this, m.
@@ -87,9 +87,18 @@ pub struct Follower {
 /// Where the bank has come to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Walked {
-    time: Time,
-    way_m: Vector3<f64>,
+    /// When.
+    pub time: Time,
+    /// The carrier's place in its own frame, m.
+    pub way_m: Vector3<f64>,
     heading_rad2: f64,
+}
+
+impl Walked {
+    /// At a solution of the carrier.
+    pub fn of(now: &Solution) -> Self {
+        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)] }
+    }
 }
 
 impl Follower {
@@ -137,7 +146,7 @@ impl Follower {
     }
 
     /// Whether there is anything that could ever place the walker on a map.
-    fn has_map(&self) -> bool {
+    pub(super) fn has_map(&self) -> bool {
         self.start.is_some() || self.ranges.is_some() || self.radio.is_some() || !self.readers.is_empty()
     }
 
@@ -240,12 +249,17 @@ impl Follower {
     /// The bank moves along the carrier's way to its last solution.
     fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let heading_rad2 = now.covariance[(8, 8)];
-        let to = Walked { time: now.time, way_m: now.position_m, heading_rad2 };
+        let to = Walked::of(now);
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;
         }
+        let stretch = self.stretch(carrier, &from, &to);
+        self.bank.walk(&stretch);
+    }
+
+    /// The carrier's way between two places, and how it errs.
+    pub(super) fn stretch(&self, carrier: &Carrier, from: &Walked, to: &Walked) -> Stretch {
         let (way_m, interval_s) = (to.way_m - from.way_m, (to.time - from.time).seconds());
         let (noise, length_m) = (&self.noise, way_m.xy().norm());
         let walk = |sigma: f64| sigma * sigma * length_m;
@@ -253,14 +267,14 @@ impl Follower {
         let heading = if carrier.is_held_magnetic() {
             let kept = libm::exp(-interval_s / noise.magnetic_s);
             let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
-            HeadingError::Magnetic { variance_rad2: heading_rad2.max(least_rad2), kept }
+            HeadingError::Magnetic { variance_rad2: to.heading_rad2.max(least_rad2), kept }
         } else {
             let grown = (to.heading_rad2 - from.heading_rad2).max(0.0);
             HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
         let moved = GAP_SPEED_M_S * gap_s;
-        self.bank.walk(&Stretch {
+        Stretch {
             way_m,
             interval_s,
             along_m2: walk(noise.along_m_sqrt_m),
@@ -271,7 +285,7 @@ impl Follower {
             turn_rad2: walk(noise.turn_walk_rad_sqrt_m),
             factor2: walk(noise.factor_walk_sqrt_m),
             barometer_m2: rest(self.params.weather_m_sqrt_s),
-        });
+        }
     }
 
     /// What the carrier did since a time; `None` where that is forgotten.

@@ -5,7 +5,7 @@ use super::carrier::Carrier;
 use super::follower::Follower;
 use super::method::FusedReport;
 use crate::place::params::PlaceParams;
-use crate::place::state::{BAROMETER, Back, EAST, NORTH, UP};
+use crate::place::state::{Back, EAST, NORTH, Stretch, UP};
 use crate::ranging::listener::Link;
 use crate::ranging::{Ranged, RangingFix};
 use adit_core::nalgebra::Vector3;
@@ -71,7 +71,7 @@ impl Follower {
             }
             let step_m = height_m - from_m;
             if step_m.abs() > DOOR_M + CLIMB_M_S * interval_s {
-                self.bank.change(|state| state.covariance[(BAROMETER, BAROMETER)] += step_m * step_m);
+                self.bank.walk(&Stretch::jump(step_m * step_m));
             }
         }
         self.height = Some((time, height_m));

@@ -25,11 +25,13 @@ mod method;
 mod params;
 mod placing;
 mod signals;
+mod smoothing;
 
 pub use carrier::CarrierKind;
 pub use evidence::Process;
 pub use method::FusedReport;
 pub use params::FusedParams;
+pub use smoothing::smooth;
 
 use crate::methods::ahrs::Ahrs;
 use crate::methods::ins_wifi::{InsWifi, Reduced, reduced};

@@ -193,11 +193,18 @@ impl Bank {
     fn find_map(&mut self, roadways: &Roadways, from: usize) {
         let state = self.hypotheses[from].state.clone();
         let log_weight = self.hypotheses[from].log_weight + BACK;
-        self.seed(roadways, &state, log_weight);
+        let lineage = self.hypotheses[from].lineage;
+        self.seed(roadways, &state, log_weight, lineage);
     }
 
     /// Puts a state onto every roadway and into every chamber that it can be in; tells the best fit, mean square over what is to be expected.
-    pub(super) fn seed(&mut self, roadways: &Roadways, state: &State, log_weight: f64) -> Option<f64> {
+    pub(super) fn seed(
+        &mut self,
+        roadways: &Roadways,
+        state: &State,
+        log_weight: f64,
+        lineage: Option<u32>,
+    ) -> Option<f64> {
         if state.direction_rad2() > KNOWN_RAD * KNOWN_RAD {
             return None;
         }
@@ -209,6 +216,7 @@ impl Bank {
             surprise: 1.0,
             elsewhere: false,
             walls: 0.0,
+            lineage,
             state: state.clone(),
         };
         let here = state.position_m.xy();

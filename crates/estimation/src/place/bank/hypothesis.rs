@@ -34,6 +34,9 @@ pub struct Hypothesis {
     pub(super) elsewhere: bool,
     /// Logarithm of the probability of being within the walls while it is not held, as it has gone into the weight.
     pub(super) walls: f64,
+    /// Its last step, where those are recorded.
+    #[serde(skip)]
+    pub(super) lineage: Option<u32>,
     /// State and covariance.
     pub state: State,
 }

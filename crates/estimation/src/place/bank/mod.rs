@@ -23,8 +23,10 @@ pub use hypothesis::{Hypothesis, Place};
 pub use mixture::Estimate;
 
 use super::roadways::Roadways;
+use super::smoother::{Recorder, Segment};
 use super::state::{EAST, FACTOR, HEADING, NORTH, Seen, State, Stretch, Taken, UP};
 use adit_core::nalgebra::{Vector2, Vector3};
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use mixture::Reported;
@@ -89,6 +91,9 @@ pub struct Bank {
     #[serde(skip)]
     roadways: Option<Arc<Roadways>>,
     hypotheses: Vec<Hypothesis>,
+    /// Of a whole log, to be smoothed.
+    #[serde(skip)]
+    recorder: Option<Box<Recorder>>,
     /// Way of the carrier since the last look, m.
     since_m: Vector2<f64>,
     /// Way of the last metres, older ones fading, m, and how long it was.
@@ -112,6 +117,7 @@ impl Bank {
             hypotheses: Vec::new(),
             params,
             roadways,
+            recorder: None,
             since_m: Vector2::zeros(),
             recent_m: Vector2::zeros(),
             recent_length_m: 0.0,
@@ -186,12 +192,21 @@ impl Bank {
                 (Place::Piece(index), Some(roadways)) => roadways.piece(index),
                 _ => None,
             };
-            let walked = hypothesis.state.walk_along(stretch, piece.map(|piece| &piece.direction));
+            let roadway = piece.map(|piece| &piece.direction);
+            let before = self.recorder.as_ref().map(|_| hypothesis.state.clone());
+            let walked = hypothesis.state.walk_along(stretch, roadway);
             if self.params.level_way
                 && let Some(piece) = piece
             {
                 hypothesis.state.position_m.z += piece.rise * piece.direction.dot(&walked.xy());
             }
+            if let (Some(recorder), Some(before)) = (&mut self.recorder, before) {
+                let way = (stretch, roadway);
+                hypothesis.lineage = recorder.step(hypothesis.lineage, &before, way, &hypothesis.state);
+            }
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.tidy(self.hypotheses.iter_mut().map(|hypothesis| &mut hypothesis.lineage));
         }
         self.since_m += stretch.way_m.xy();
         let walked_m = self.since_m.norm();
@@ -225,11 +240,23 @@ impl Bank {
         of_best
     }
 
-    /// Changes every hypothesis alike: what is no measurement of the place.
-    pub fn change(&mut self, change: impl Fn(&mut State)) {
-        for hypothesis in &mut self.hypotheses {
-            change(&mut hypothesis.state);
+    /// Keeps from now on what [`Self::finish`] smooths, 1 kB for each step of each hypothesis that is alive or has descendants. Before the start.
+    pub fn record(&mut self) {
+        self.recorder = Some(Box::default());
+    }
+
+    /// The bank is at, or comes next to, this instant of a log that is recorded.
+    pub fn at(&mut self, instant: usize) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.instant = instant;
         }
+    }
+
+    /// What was recorded, in order of time; nothing is from now on.
+    pub fn finish(&mut self) -> Vec<Segment> {
+        let best = self.best().map(|best| (best.lineage, best.state.clone()));
+        let last = best.as_ref().map(|(lineage, state)| (*lineage, state));
+        self.recorder.take().map(|recorder| recorder.finish(last)).unwrap_or_default()
     }
 
     /// All hypotheses, in no order.
