@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlaceParams {
+    /// Hold the walker to the roadways, where the mine is known.
+    pub roadways: bool,
     /// A measurement whose normalised innovation squared exceeds this, for each of its dimensions, pulls no more than one at it.
     pub nis_bound: f64,
     /// Error of a clear range that passes, standard deviation, m (walls and people near the path).
@@ -70,6 +72,7 @@ pub struct CarrierNoise {
 impl Default for PlaceParams {
     fn default() -> Self {
         Self {
+            roadways: true,
             // χ² of one degree of freedom: exceeded by 1 of 400 good ones.
             nis_bound: 9.0,
             passing_sigma_m: 0.07,

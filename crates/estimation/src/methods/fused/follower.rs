@@ -118,7 +118,10 @@ impl Follower {
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::new(bank_params(params, carrier), site.and_then(|site| site.roadways.clone())),
+            bank: Bank::new(
+                bank_params(params, carrier),
+                site.filter(|_| params.place.roadways).and_then(|site| site.roadways.clone()),
+            ),
             estimate: None,
             search: None,
             searched: None,
