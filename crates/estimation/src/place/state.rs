@@ -407,6 +407,13 @@ impl State {
         self.feed_back(&(apart * share));
     }
 
+    /// The way is turned by this more, known by this, rad; the position stays as little known as it is. For angles that no linearisation bears.
+    pub fn face(&mut self, turn_rad: f64, sigma_rad: f64) {
+        self.turn_rad += turn_rad;
+        self.forget(TURN, sigma_rad * sigma_rad);
+        self.forget(HEADING, 0.0);
+    }
+
     /// Nothing is known of a state but this variance: its error is that of nothing else.
     pub fn forget(&mut self, index: usize, variance: f64) {
         self.covariance.row_mut(index).fill(0.0);
