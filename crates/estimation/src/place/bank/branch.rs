@@ -228,10 +228,12 @@ impl Bank {
 
     /// Puts a state onto every roadway and into every chamber that it can be in; tells the best fit, mean square over what is to be expected.
     pub(super) fn seed(&mut self, roadways: &Roadways, state: &State, log_weight: f64) -> Option<f64> {
+        let straight = self.is_straight();
         let known = state.direction_rad2() <= KNOWN_RAD * KNOWN_RAD;
-        if !known && !self.is_straight() {
+        if !known && !straight {
             return None;
         }
+        let along_rad = ALONG_RAD + 2.0 * libm::sqrt(state.direction_rad2().max(0.0));
         let parent = Hypothesis {
             id: 0,
             place: Place::Off,
@@ -252,6 +254,10 @@ impl Bank {
         near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         for index in near.into_iter().take(SEEDS) {
             let Some(piece) = roadways.piece(index) else { continue };
+            // Whoever has walked straight has walked along a roadway.
+            if known && straight && angle(&self.recent_direction(state), &piece.direction) > along_rad {
+                continue;
+            }
             let senses = if known { [None, None] } else { [Some(piece.direction), Some(-piece.direction)] };
             for sense in senses.into_iter().take(if known { 1 } else { 2 }) {
                 let facing = sense.map(|direction| self.facing(&parent, &direction));

@@ -56,7 +56,7 @@ const WIDER: u32 = 6;
 /// Standard deviation of a direction of which nothing is known: π/√3, rad.
 const ANYHOW_RAD: f64 = 1.8;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
-const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.5);
+const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.3);
 
 /// What a bank goes by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
