@@ -342,7 +342,10 @@ fn who_is_where_no_roadway_is_makes_the_bank_say_so() {
     let params = BankParams { tag_height_m: 0.0, ..BankParams::default() };
     // A heading that was driven since the map was drawn.
     let way = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 80.0, 0.0]];
-    let mut bank = led(&roadways, started([0.0, 0.0, 0.0], 0.5, 0.5, 0.02), &way, (1.0, 0.0), params);
+    let start = || started([0.0, 0.0, 0.0], 0.5, 0.5, 0.02);
+    let soon = led(&roadways, start(), &[way[0], way[1], [100.0, 20.0, 0.0]], (1.0, 0.0), params);
+    assert!(soon.is_lost());
+    let mut bank = led(&roadways, start(), &way, (1.0, 0.0), params);
     assert!(bank.is_lost());
     let estimate = bank.estimate().unwrap();
     let off_m = (estimate.position_m - Vector3::new(100.0, 80.0, 0.0)).xy().norm();
