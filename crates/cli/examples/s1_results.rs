@@ -7,7 +7,8 @@ mod comparison;
 
 use adit_observation::truth;
 use anyhow::{Context, Result, bail};
-use comparison::{compare, number, path, run};
+use comparison::binary::{path, run};
+use comparison::{compare, number};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -260,6 +260,10 @@ pub struct TrackArgs {
     #[arg(long, value_name = "SECONDS", conflicts_with = "smooth", value_parser = lag, allow_negative_numbers = true)]
     pub lag: Option<f64>,
 
+    /// Write the first pose, the last, and between them one in so many seconds (0.001 to 3600) [default: all]
+    #[arg(long, value_name = "SECONDS", value_parser = every, allow_negative_numbers = true)]
+    pub every: Option<f64>,
+
     /// Report to write, JSON; `-` is stdout
     #[arg(long, value_name = "REPORT.json", value_hint = ValueHint::FilePath)]
     pub json: Option<Target>,
@@ -351,6 +355,10 @@ pub struct EvalArgs {
     /// Solutions with covariance of the same estimate, CSV (track --covariance): are the stated errors honest (NEES)?
     #[arg(long, value_name = "EST.csv", value_hint = ValueHint::FilePath)]
     pub covariance: Option<PathBuf>,
+}
+
+fn every(text: &str) -> Result<f64, String> {
+    number(text, |v| (0.001..=3600.0).contains(&v), "seconds from 0.001 to 3600")
 }
 
 fn lag(text: &str) -> Result<f64, String> {

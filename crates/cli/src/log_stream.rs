@@ -47,8 +47,16 @@ impl Part {
 impl LogStream {
     /// Opens all logs and reads their headers and first samples.
     pub fn open(paths: &[PathBuf]) -> Result<Self> {
+        Self::open_with(paths, None)
+    }
+
+    /// The same with this sidecar in place of those beside the logs, where there is one.
+    pub fn open_with(paths: &[PathBuf], sidecar: Option<&Sidecar>) -> Result<Self> {
         let part = |path: &PathBuf| -> Result<Part> {
             let mut reader = open(path)?;
+            if let Some(sidecar) = sidecar {
+                reader = reader.with_sidecar(path.clone(), sidecar.clone());
+            }
             tracing::info!("reading {} as {:?}", path.display(), reader.kind());
             let next = reader.next().transpose()?;
             let mounting = reader.sidecar().and_then(MountingCheck::of);

@@ -17,6 +17,7 @@ mod output;
 mod progress;
 mod radio_site;
 mod scenario_file;
+mod suite_file;
 mod truth_beside;
 mod verbs;
 

@@ -6,7 +6,7 @@
 use crate::config;
 use adit_estimation::magnetic::gate::ReferenceField;
 use adit_estimation::methods::{
-    Estimates, Known, MethodReport, MethodSettings, MethodWarning, NoiseParameter, RadioUse,
+    Estimates, Known, MethodReport, MethodSettings, MethodWarning, NoiseParameter, RadioUse, Worn,
 };
 use adit_observation::sidecar::{Location, Sidecar};
 use anyhow::{Context, Result};
@@ -18,6 +18,8 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
+    /// Everything at hand in one estimator: foot or body, ranges, signal strengths, barometer, portals, roadways
+    Fused,
     /// Inertial sensor on the foot: zero velocity whenever the foot stands; no infrastructure
     FootIns,
     /// Inertial sensor and magnetometer on the foot: as foot-ins, heading by the field where it is undisturbed
@@ -50,6 +52,10 @@ pub enum MethodName {
 macro_rules! with_settings {
     ($name:expr, $settings:ident => $body:expr) => {
         match $name {
+            $crate::method::MethodName::Fused => {
+                type $settings = adit_estimation::methods::fused::FusedParams;
+                $body
+            }
             $crate::method::MethodName::FootIns => {
                 type $settings = adit_estimation::methods::foot_ins::FootInsParams;
                 $body
@@ -147,7 +153,8 @@ impl MethodName {
             )),
             (_, None | Some(Location::Foot))
             | (
-                Self::Pdr
+                Self::Fused
+                | Self::Pdr
                 | Self::Wifi
                 | Self::PdrWifi
                 | Self::UwbLs
@@ -161,7 +168,7 @@ impl MethodName {
                 _,
             ) => None,
             (Self::FootIns | Self::MargIns, Some(other)) => {
-                let (place, name) = (format!("{other:?}").to_lowercase(), self.name());
+                let (place, name) = (other.name(), self.name());
                 Some(format!("the sidecar puts the sensor at \"{place}\", {name} expects it on the foot"))
             }
         }
@@ -187,6 +194,16 @@ fn known(sidecar: &Sidecar) -> Known {
         site: sidecar.site,
         start: sidecar.start,
         mounted: sidecar.mounting.rotation.is_some(),
+        worn: sidecar.mounting.location.and_then(worn),
+    }
+}
+
+/// On a foot, elsewhere on the body, or on no body.
+fn worn(location: Location) -> Option<Worn> {
+    match location {
+        Location::Foot => Some(Worn::Foot),
+        Location::Vehicle | Location::Other => None,
+        _ => Some(Worn::Body),
     }
 }
 

@@ -86,6 +86,11 @@ impl Drop for Progress {
     }
 }
 
+/// Says something that is no warning.
+pub fn note(what: &str) {
+    tell(&format!("adit: {what}\n"));
+}
+
 /// Shows each warning of a log once.
 pub fn warn(warnings: &[impl std::fmt::Display]) {
     for warning in warnings {

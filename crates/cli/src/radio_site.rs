@@ -34,7 +34,7 @@ fn of_mine(path: &Path) -> Result<RadioSite> {
     for notice in notices {
         tracing::info!("{}: {notice}", path.display());
     }
-    let site = RadioSite::of_plan(mine.plan());
+    let site = RadioSite::of_mine(&mine);
     if site.transmitters.is_empty() {
         progress::warn(&[format!("{}: has no access points", path.display())]);
     }

@@ -42,6 +42,41 @@ fn inertial(path: &Path) -> usize {
 }
 
 #[test]
+fn poses_are_written_as_often_as_asked_and_the_first_and_the_last_always() {
+    let folder = simulated();
+    let all = track(folder.path(), &["-o", "all.tum", "--covariance", "all.csv"]);
+    let some = track(folder.path(), &["-o", "some.tum", "--covariance", "some.csv", "--every", "0.5"]);
+    let told = |outcome: &common::Outcome| {
+        let lines = outcome.stdout.lines().filter(|line| !line.starts_with("speed"));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&all), told(&some), "what is told is of all of them");
+    let (all, some) = (read(folder.path().join("all.tum")), read(folder.path().join("some.tum")));
+    let (first, last) = (all.poses().first().unwrap(), all.poses().last().unwrap());
+    assert_eq!((some.poses().first(), some.poses().last()), (Some(first), Some(last)));
+    let every = 0.5;
+    let mut cell = None;
+    for pose in &some.poses()[..some.len() - 1] {
+        let at_s = pose.time.seconds() + 5e-7;
+        let here = (at_s / every).floor();
+        assert!(cell.is_none_or(|before| here >= before + 1.0), "one in each half second: {at_s}");
+        // The next sample after the half second, at 100 Hz or more.
+        assert!(cell.is_none() || at_s - here * every < 0.0101, "{at_s}");
+        cell = Some(here);
+    }
+    assert!(all.poses().iter().filter(|pose| some.poses().contains(pose)).count() == some.len());
+    let seconds = (last.time - first.time).seconds();
+    assert!((some.len() as f64 - seconds / every).abs() < 3.0, "{} in {seconds} s", some.len());
+    let rows = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        text.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (all_rows, some_rows) = (rows("all.csv"), rows("some.csv"));
+    assert_eq!(some_rows.len(), some.len() + 1);
+    assert!(some_rows.iter().all(|row| all_rows.contains(row)));
+}
+
+#[test]
 fn every_inertial_sample_gets_a_pose_whatever_the_mode() {
     let folder = simulated();
     let samples = inertial(&folder.path().join("sim/log.mcap"));

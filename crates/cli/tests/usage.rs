@@ -14,7 +14,7 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     let cases: [(&[&str], &str); 18] = [
         (
             &["track", "walk.csv", "--method", "sonar", "-o", "walk.tum"],
-            "[possible values: foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, pdr-wifi, uwb-ls, uwb-pdr, uwb-ekf, uwb-rkf, uwb-aekf, ahrs]",
+            "[possible values: fused, foot-ins, marg-ins, reduced-ins-wifi, full-ins-wifi, pdr, wifi, pdr-wifi, uwb-ls, uwb-pdr, uwb-ekf, uwb-rkf, uwb-aekf, ahrs]",
         ),
         (&["track", "walk.csv", "-o", "walk.tum"], "--method <METHOD>"),
         (&["track", "--method", "foot-ins", "-o", "walk.tum"], "<LOG>"),

@@ -15,7 +15,7 @@ use proptest::test_runner::{RngAlgorithm, TestRng};
 
 const ALL: Moments = Moments { from_s: 0.0, every_s: GRID_S, above_m_s: 0.0 };
 const OPTIONS: RunOptions =
-    RunOptions { alignment: Alignment::None, moments: ALL, positions: true, attitudes: true };
+    RunOptions { alignment: Alignment::None, moments: ALL, positions: true, heights: true, attitudes: true };
 
 fn time(tenths: i64) -> Time {
     Time::from_nanos(tenths * 100_000_000)
@@ -172,7 +172,7 @@ fn a_page_escapes_names_and_needs_nothing_from_elsewhere() {
         first_seed: None,
         alignment: "none".to_owned(),
         judged_from_s: 0.0,
-        judged_every_s: GRID_S,
+        judged_every_s: Some(GRID_S),
         judged_above_m_s: 0.0,
         methods: vec![("a \"b\" <c>".to_owned(), summary)],
     };

@@ -34,7 +34,8 @@ pub enum Observation {
 }
 
 /// The kinds of observations, in the order in which those of one time are given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ObservationKind {
     /// [`Observation::Imu`].
     Imu,

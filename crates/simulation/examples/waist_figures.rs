@@ -110,7 +110,7 @@ fn simulate(speed: f64, height: f64) -> Result<Walk, Box<dyn Error>> {
         Errand::Stand { seconds: 2.0 },
         Errand::Go { to: place(88.0), pace: Pace::Walk, speed_m_s: None },
     ];
-    let person = PersonSpec { body, start: place(2.0), errands };
+    let person = PersonSpec { body, drawn: false, start: place(2.0), errands };
     let population =
         Population::new(&mine, &PopulationSpec { persons: vec![person], ..PopulationSpec::default() }, 4)?;
     let person = population.person(0).ok_or("nobody")??;

@@ -1,24 +1,13 @@
 //! What examples that tabulate `adit compare` share.
 
-use anyhow::{Context, Result, bail};
+#[path = "binary.rs"]
+pub mod binary;
+
+use anyhow::{Context, Result};
+use binary::{path, run};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use tempfile::TempDir;
-
-/// As text for a command line.
-pub fn path(path: &Path) -> Result<String> {
-    path.to_str().map(str::to_owned).context("a path that is text")
-}
-
-/// Runs adit.
-pub fn run(adit: &Path, args: &[&str]) -> Result<()> {
-    let output = Command::new(adit).args(args).output().context("adit cannot be run")?;
-    if !output.status.success() {
-        bail!("adit {}: {}", args.join(" "), String::from_utf8_lossy(&output.stderr));
-    }
-    Ok(())
-}
 
 /// `adit compare` of a scenario: its report, and the figure of the distributions.
 pub fn compare(adit: &Path, scenario: &Path, seeds: &str) -> Result<(Value, String)> {

@@ -1,6 +1,6 @@
 //! The table `[compare]`: which methods run on the scenario, how each is configured, and how they are judged.
 
-use super::Scenario;
+use super::{Scenario, Source};
 use crate::args::OptimiserName;
 use crate::config;
 use crate::judged_ranges;
@@ -8,6 +8,7 @@ use crate::method::MethodName;
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::compare::{GRID_S, Moments};
 use adit_nlos::Model;
+use adit_observation::ObservationKind;
 use adit_tuning::optimise::Method as Optimiser;
 use anyhow::Result;
 use serde::Deserialize;
@@ -38,14 +39,17 @@ pub struct CompareEntry {
     runs: Vec<Spanned<RunEntry>>,
 }
 
+/// A run as written.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RunEntry {
+pub struct RunEntry {
     name: Option<String>,
     method: MethodName,
     #[serde(default)]
     config: toml::Table,
     config_file: Option<PathBuf>,
+    /// Table of the settings that the file is of, where the method has parts that are methods themselves.
+    config_of: Option<String>,
     #[serde(default = "yes")]
     figures: bool,
     /// Optimiser that tunes it first.
@@ -56,6 +60,8 @@ struct RunEntry {
     calibrate: Option<Spanned<usize>>,
     /// Model that judges its ranges: one that ships with adit, or a file beside the scenario.
     nlos: Option<String>,
+    /// The kinds of observations that it gets; all where this is none.
+    only: Option<Vec<ObservationKind>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -115,13 +121,76 @@ pub struct Contender {
     pub calibrate: Option<usize>,
     /// Model that judges its ranges before they reach it.
     pub nlos: Option<Arc<Model>>,
+    /// The kinds of observations that it gets; all where this is none.
+    pub only: Option<Vec<ObservationKind>>,
 }
 
 impl Contender {
     /// A method as it comes.
     pub fn plain(method: MethodName) -> Self {
         let (name, config) = (method.name().to_owned(), toml::Table::new());
-        Self { name, method, config, in_figures: true, tune: None, survey: None, calibrate: None, nlos: None }
+        Self {
+            name,
+            method,
+            config,
+            in_figures: true,
+            tune: None,
+            survey: None,
+            calibrate: None,
+            nlos: None,
+            only: None,
+        }
+    }
+
+    /// Those that a file lists; no two of one name.
+    pub fn all(entries: &[Spanned<RunEntry>], source: &Source) -> Result<Vec<Self>> {
+        let contenders = entries.iter().map(|run| Self::of(run, source)).collect::<Result<Vec<_>>>()?;
+        for (nth, run) in entries.iter().enumerate() {
+            let name = &contenders[nth].name;
+            if contenders[..nth].iter().any(|other| other.name == *name) {
+                let what = format!("two runs are called \"{name}\": give one another name");
+                return Err(source.error(&run.span(), &what));
+            }
+        }
+        Ok(contenders)
+    }
+
+    fn of(entry: &Spanned<RunEntry>, source: &Source) -> Result<Self> {
+        let RunEntry {
+            name,
+            method,
+            config,
+            config_file,
+            config_of,
+            figures,
+            tune,
+            survey,
+            calibrate,
+            nlos,
+            only,
+        } = entry.get_ref();
+        let mut settings = match config_file {
+            None => toml::Table::new(),
+            Some(file) => {
+                let path = source.folder().join(file);
+                config::parse(&path, &config::text(&path)?)?
+            }
+        };
+        if let Some(part) = config_of {
+            settings = toml::Table::from_iter([(part.clone(), toml::Value::Table(settings))]);
+        }
+        config::merge(&mut settings, config.clone());
+        Ok(Self {
+            name: name.clone().unwrap_or_else(|| method.name().to_owned()),
+            method: *method,
+            config: settings,
+            in_figures: *figures,
+            tune: tune.map(|name| name.0),
+            survey: survey.as_ref().map(|person| source.number(person)).transpose()?,
+            calibrate: calibrate.as_ref().map(|person| source.number(person)).transpose()?,
+            nlos: nlos.as_deref().map(|name| judged_ranges::model(name, source.folder())).transpose()?,
+            only: only.clone(),
+        })
     }
 }
 
@@ -129,15 +198,9 @@ impl Scenario {
     /// What the scenario says of a comparison.
     pub fn contest(&self) -> Result<Contest> {
         let Some(entry) = &self.entries.compare else { return Ok(Contest::default()) };
-        let contenders = entry.runs.iter().map(|run| self.contender(run)).collect::<Result<Vec<_>>>()?;
-        for (nth, run) in entry.runs.iter().enumerate() {
-            let name = &contenders[nth].name;
-            if contenders[..nth].iter().any(|other| other.name == *name) {
-                let what = format!("two runs are called \"{name}\": give one another name");
-                return Err(self.source.error(&run.span(), &what));
-            }
-        }
-        let every_s = entry.judged_every_s.as_ref().map(|every_s| self.every_s(every_s)).transpose()?;
+        let contenders = Contender::all(&entry.runs, &self.source)?;
+        let every_s =
+            entry.judged_every_s.as_ref().map(|every_s| self.source.every_s(every_s)).transpose()?;
         let moments = Moments {
             from_s: entry.judged_from_s,
             every_s: every_s.unwrap_or(GRID_S),
@@ -145,7 +208,7 @@ impl Scenario {
         };
         let tuning = entry.tuning.as_ref().map(|tuning| {
             let TuningEntry { person, config, agents, evaluations } = tuning;
-            let person = self.number(person)?;
+            let person = self.source.number(person)?;
             Ok::<_, anyhow::Error>(Tuning {
                 person,
                 config: config.clone(),
@@ -160,55 +223,38 @@ impl Scenario {
             let what = "a run that is tuned needs [compare.tuning]: person, agents, evaluations";
             return Err(self.source.error(&run.span(), what));
         }
-        Ok(Contest { align: entry.align, moments, person: self.number(&entry.person)?, tuning, contenders })
-    }
-
-    fn contender(&self, entry: &Spanned<RunEntry>) -> Result<Contender> {
-        let RunEntry { name, method, config, config_file, figures, tune, survey, calibrate, nlos } =
-            entry.get_ref();
-        let mut settings = match config_file {
-            None => toml::Table::new(),
-            Some(file) => {
-                let path = self.source.folder().join(file);
-                config::parse(&path, &config::text(&path)?)?
-            }
-        };
-        config::merge(&mut settings, config.clone());
-        Ok(Contender {
-            name: name.clone().unwrap_or_else(|| method.name().to_owned()),
-            method: *method,
-            config: settings,
-            in_figures: *figures,
-            tune: tune.map(|name| name.0),
-            survey: survey.as_ref().map(|person| self.number(person)).transpose()?,
-            calibrate: calibrate.as_ref().map(|person| self.number(person)).transpose()?,
-            nlos: nlos.as_deref().map(|name| judged_ranges::model(name, self.source.folder())).transpose()?,
+        Ok(Contest {
+            align: entry.align,
+            moments,
+            person: self.source.number(&entry.person)?,
+            tuning,
+            contenders,
         })
     }
 }
 
-impl Scenario {
-    /// A person of the mine, counted from 1 in the file and from 0 here.
-    fn number(&self, person: &Spanned<usize>) -> Result<usize> {
-        person.get_ref().checked_sub(1).ok_or_else(|| {
-            self.source.error(&person.span(), "person is 0, expected the number of a person, from 1")
-        })
+impl Source {
+    /// The folder of the file.
+    pub fn folder(&self) -> &Path {
+        self.file().parent().unwrap_or(Path::new(""))
     }
 
-    fn every_s(&self, every_s: &Spanned<f64>) -> Result<f64> {
+    /// A person of the mine, counted from 1 in the file and from 0 here.
+    fn number(&self, person: &Spanned<usize>) -> Result<usize> {
+        person
+            .get_ref()
+            .checked_sub(1)
+            .ok_or_else(|| self.error(&person.span(), "person is 0, expected the number of a person, from 1"))
+    }
+
+    /// A time between judged moments.
+    pub fn every_s(&self, every_s: &Spanned<f64>) -> Result<f64> {
         let found = *every_s.get_ref();
         if (1e-3..=1e6).contains(&found) {
             return Ok(found);
         }
         let what = format!("judged_every_s is {found}, expected 0.001 to 1e6 s");
-        Err(self.source.error(&every_s.span(), &what))
-    }
-}
-
-impl super::Source {
-    /// The folder of the file.
-    pub fn folder(&self) -> &Path {
-        self.file().parent().unwrap_or(Path::new(""))
+        Err(self.error(&every_s.span(), &what))
     }
 }
 

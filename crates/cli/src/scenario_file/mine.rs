@@ -4,7 +4,7 @@ use super::roadway::told;
 use super::{Kind, Preset, Run, Scenario};
 use adit_estimation::radio::RadioSite;
 use adit_mine::Mine;
-use adit_observation::sidecar::Sidecar;
+use adit_observation::sidecar::{Location, Sidecar};
 use adit_simulation::people::{Belt, PopulationSpec};
 use adit_simulation::pressure::{AirSpec, BarometerModel};
 use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
@@ -63,6 +63,8 @@ struct TagEntry {
     barometer: Option<Spanned<String>>,
     /// Its rate, Hz, in place of its own.
     barometer_hz: Option<Spanned<f64>>,
+    /// When barometer and magnetometer say nothing: from, until, s.
+    silent_s: Vec<[f64; 2]>,
     radio: RadioRates,
     /// How wrong the start is that the log's sidecar tells; nothing is told without it.
     start: Option<Spanned<StartEntry>>,
@@ -133,7 +135,7 @@ impl Scenario {
         let entry = self.entries.mine.as_ref().filter(|_| self.has_everybody());
         let Some(entry) = entry else { return Ok(None) };
         let mine = self.mine(&entry.get_ref().file)?;
-        Ok(Some(Arc::new(RadioSite::of_plan(mine.plan()))))
+        Ok(Some(Arc::new(RadioSite::of_mine(&mine))))
     }
 
     /// Makes everybody in the mine of `kind = "mine"`.
@@ -163,6 +165,7 @@ impl Scenario {
         let mut sidecar = magnetic.as_ref().map(|(world, _)| super::declination(world)).unwrap_or_default();
         sidecar.rate_hz = Some(imu_hz);
         sidecar.noise = Some(imu.specification());
+        sidecar.mounting.location = Some(entry.tag.mount.location());
 
         let mut ideal: IdealImu = self.imu()?;
         // The Earth turns under every mine whose place on it is known.
@@ -174,6 +177,7 @@ impl Scenario {
             imu_hz,
             magnetic,
             barometer: self.barometer(&entry.tag)?,
+            silent_s: entry.tag.silent_s.clone(),
             radio: entry.tag.radio,
         };
         let (clock, link) = match &entry.delivery {
@@ -234,6 +238,13 @@ fn latitude_rad(mine: &Mine) -> Option<f64> {
 }
 
 impl MountEntry {
+    fn location(self) -> Location {
+        match self {
+            Self::BeltFront | Self::BeltBack | Self::BeltLeft | Self::BeltRight => Location::Waist,
+            Self::LeftFoot | Self::RightFoot => Location::Foot,
+        }
+    }
+
     fn mount(self) -> Mount {
         match self {
             Self::BeltFront => Mount::Belt(Belt::front()),

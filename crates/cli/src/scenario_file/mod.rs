@@ -25,18 +25,18 @@ mod roadway;
 mod tumble;
 
 use crate::config;
-use adit_observation::sidecar::Sidecar;
+use adit_observation::sidecar::{Location, Sidecar};
 use adit_simulation::{
     Emission, FootWalk, FootWalkScenario, Gait, Generator, IdealImu, ImuErrorModel, Leg, MagneticWorld,
     MagnetometerModel, Motion, Tumble,
 };
 use anyhow::{Result, bail};
 use compare::CompareEntry;
-pub use compare::{Contender, Contest, Tuning};
+pub use compare::{Contender, Contest, RunEntry, Tuning};
 use magnetic::Magnetic;
 pub use mine::Everybody;
 use mine::MineEntry;
-use place::Source;
+pub use place::Source;
 use roadway::RoadwayEntry;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -170,12 +170,12 @@ impl Scenario {
                 let refused = |error| self.source.refused(&self.entries.kind.span(), &error);
                 let walk = scenario.walk(seed).map_err(refused)?;
                 let magnetometer = self.magnetometer(&walk, Some(&walk))?;
-                self.run(walk, magnetometer, seed)
+                self.run(walk, magnetometer, Some(Location::Foot), seed)
             }
             Kind::Tumble => {
                 let tumble = self.tumble()?;
                 let magnetometer = self.magnetometer(&tumble, None)?;
-                self.run(tumble, magnetometer, seed)
+                self.run(tumble, magnetometer, None, seed)
             }
             Kind::RoadwayWalk => self.roadway_walk(seed),
             Kind::Mine => self.generate_person(seed, 0),
@@ -199,12 +199,15 @@ impl Scenario {
         &self,
         motion: M,
         magnetometer: Option<(MagneticWorld, MagnetometerModel)>,
+        location: Option<Location>,
         seed: u64,
     ) -> Result<Run> {
         let (errors, span) = self.sensor()?;
         let refused = |error| self.source.refused(&span, &error);
         let duration_s = motion.duration_s();
-        let sidecar = magnetometer.as_ref().map(|(world, _)| declination(world));
+        let mut sidecar = magnetometer.as_ref().map(|(world, _)| declination(world)).unwrap_or_default();
+        sidecar.mounting.location = location;
+        let sidecar = Some(sidecar).filter(|sidecar| *sidecar != Sidecar::default());
         let imu = Generator::new(motion, self.imu()?, self.rate_hz()?, &errors, seed).map_err(refused)?;
         let emissions: Box<dyn Iterator<Item = Emission>> = match magnetometer {
             Some((world, model)) => Box::new(imu.with_magnetometer(world, &model, seed).map_err(refused)?),

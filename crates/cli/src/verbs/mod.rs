@@ -6,6 +6,7 @@ mod demo;
 mod eval;
 mod mine;
 mod nlos;
+mod recorded_set;
 mod simulate;
 mod track;
 mod trials;

@@ -11,7 +11,7 @@ use crate::progress::{self, Progress, Unit};
 use crate::radio_site;
 use adit_core::solution::Solution;
 use adit_core::trajectory::Pose;
-use adit_estimation::methods::{Estimates, MethodReport, MethodSettings};
+use adit_estimation::methods::{Estimates, MethodReport, MethodSettings, Nis};
 use adit_observation::Observation;
 use adit_observation::solution_csv::SolutionWriter;
 use adit_observation::tum::TumWriter;
@@ -61,6 +61,8 @@ pub struct TrackReport {
     end_heading_sigma_deg: Option<f64>,
     end_inclination_sigma_deg: Option<f64>,
     share_at_rest: Option<f64>,
+    /// Normalised innovations squared of the measurements used, where the method tells.
+    nis: Option<Nis>,
     elapsed_s: f64,
     times_real_time: f64,
     warnings: Vec<String>,
@@ -185,12 +187,42 @@ fn smooth<S: MethodSettings>(log: &mut Log, settings: S, outputs: &mut Outputs) 
     Ok(Run { inertial_samples, report })
 }
 
-/// The files being written, and the sums over what was written.
+/// The files being written, and the sums over all solutions.
 struct Outputs {
     staged: Staged,
     trajectory: TumWriter,
     covariance: Option<SolutionWriter>,
+    thinning: Option<Thinning>,
     journey: Journey,
+}
+
+/// Which solutions are written: those at or next after the multiples of a time, and the last.
+struct Thinning {
+    every_s: f64,
+    /// The multiple that the next one serves.
+    due_s: f64,
+    /// The latest that was not written.
+    skipped: Option<Solution>,
+}
+
+impl Thinning {
+    fn new(every_s: f64) -> Self {
+        Self { every_s, due_s: f64::NEG_INFINITY, skipped: None }
+    }
+
+    /// Whether to write it.
+    fn takes(&mut self, solution: &Solution) -> bool {
+        // Half a microsecond, for samples that fall on the grid.
+        let time_s = solution.time.seconds() + 5e-7;
+        let due = time_s >= self.due_s;
+        if due {
+            self.due_s = ((time_s / self.every_s).floor() + 1.0) * self.every_s;
+            self.skipped = None;
+        } else {
+            self.skipped = Some(solution.clone());
+        }
+        due
+    }
 }
 
 impl Outputs {
@@ -200,21 +232,32 @@ impl Outputs {
             trajectory: TumWriter::create(staged.path())?,
             staged,
             covariance: args.covariance.as_ref().map(SolutionWriter::create).transpose()?,
+            thinning: args.every.map(Thinning::new),
             journey: Journey::default(),
         })
     }
 
     fn push(&mut self, solution: &Solution) -> Result<()> {
+        self.journey.push(solution);
+        if self.thinning.as_mut().is_none_or(|thinning| thinning.takes(solution)) {
+            self.write(solution)?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, solution: &Solution) -> Result<()> {
         let Solution { time, position_m, attitude, .. } = *solution;
         self.trajectory.push(&Pose { time, position_m, attitude })?;
         if let Some(file) = &mut self.covariance {
             file.push(solution)?;
         }
-        self.journey.push(solution);
         Ok(())
     }
 
-    fn finish(self) -> Result<Journey> {
+    fn finish(mut self) -> Result<Journey> {
+        if let Some(last) = self.thinning.take().and_then(|thinning| thinning.skipped) {
+            self.write(&last)?;
+        }
         self.trajectory.finish()?;
         if let Some(file) = self.covariance {
             file.finish()?;
@@ -253,6 +296,7 @@ fn report<S: MethodSettings>(
         end_heading_sigma_deg: journey.heading_sigma_rad().map(f64::to_degrees).filter(|_| turned),
         end_inclination_sigma_deg: journey.inclination_sigma_rad().map(f64::to_degrees).filter(|_| turned),
         share_at_rest: run.report.share_at_rest(),
+        nis: run.report.nis(),
         elapsed_s,
         times_real_time: journey.duration_s() / elapsed_s.max(f64::MIN_POSITIVE),
         warnings,
@@ -326,6 +370,7 @@ impl TrackReport {
             nlos: None,
             smooth: false,
             lag: None,
+            every: None,
             json: None,
             covariance: Some(covariance),
         }

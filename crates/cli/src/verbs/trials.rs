@@ -3,6 +3,7 @@
 use crate::log_stream::LogStream;
 use crate::scenario_file::{Contest, Scenario};
 use crate::truth_beside;
+use crate::verbs::recorded_set::SetRuns;
 use adit_core::solution::Solution;
 use adit_core::trajectory::{Pose, Trajectory};
 use adit_estimation::methods::{Method, MethodError, MethodReport};
@@ -24,6 +25,8 @@ pub enum Trials {
     Simulated(Box<Scenario>, u64, usize),
     /// Logs with their truth.
     Recorded(Vec<(PathBuf, PathBuf)>),
+    /// Runs of a set of a suite.
+    Set(Box<SetRuns>),
 }
 
 /// One run.
@@ -42,6 +45,8 @@ pub struct Trial {
     pub radio: Option<Arc<RadioSite>>,
     /// The truth has positions.
     pub has_position: bool,
+    /// The truth has heights.
+    pub has_height: bool,
     /// The truth has attitudes.
     pub has_attitude: bool,
     /// For each true state whether attitudes are judged there, where the truth says so.
@@ -81,6 +86,7 @@ impl Trials {
         match self {
             Self::Simulated(_, _, count) => *count,
             Self::Recorded(pairs) => pairs.len(),
+            Self::Set(runs) => runs.len(),
         }
     }
 
@@ -88,7 +94,16 @@ impl Trials {
     pub fn first_seed(&self) -> Option<u64> {
         match self {
             Self::Simulated(_, first, _) => Some(*first),
-            Self::Recorded(_) => None,
+            Self::Recorded(_) | Self::Set(_) => None,
+        }
+    }
+
+    /// Name of one in a list of them: its seed, or what its file is called.
+    pub fn name(&self, index: usize) -> String {
+        match self {
+            Self::Simulated(_, first, _) => format!("seed {}", first.wrapping_add(index as u64)),
+            Self::Recorded(pairs) => truth_beside::stem(&pairs[index].0),
+            Self::Set(runs) => runs.name(index).to_owned(),
         }
     }
 
@@ -96,7 +111,7 @@ impl Trials {
     pub fn contest(&self) -> Result<Contest> {
         match self {
             Self::Simulated(scenario, ..) => scenario.contest(),
-            Self::Recorded(_) => Ok(Contest::default()),
+            Self::Recorded(_) | Self::Set(_) => Ok(Contest::default()),
         }
     }
 
@@ -105,6 +120,7 @@ impl Trials {
         match self {
             Self::Simulated(..) => self.of_person(index, 0),
             Self::Recorded(pairs) => recorded(&pairs[index].0, &pairs[index].1),
+            Self::Set(runs) => runs.get(index),
         }
     }
 
@@ -114,8 +130,8 @@ impl Trials {
             Self::Simulated(scenario, first, _) => {
                 simulated(scenario, first.wrapping_add(index as u64), person)
             }
-            Self::Recorded(_) if person == 0 => self.get(index),
-            Self::Recorded(_) => bail!("recorded runs have no further people"),
+            Self::Recorded(_) | Self::Set(_) if person == 0 => self.get(index),
+            Self::Recorded(_) | Self::Set(_) => bail!("recorded runs have no further people"),
         }
     }
 }
@@ -178,6 +194,7 @@ fn simulated(scenario: &Scenario, seed: u64, person: usize) -> Result<Trial> {
         sidecar: run.sidecar,
         radio: scenario.radio_site()?,
         has_position: true,
+        has_height: true,
         has_attitude: true,
         marked: None,
     })
@@ -199,6 +216,7 @@ fn recorded(log: &Path, truth: &Path) -> Result<Trial> {
         sidecar: stream.sidecar().cloned(),
         radio: None,
         has_position: known.has_position,
+        has_height: known.has_height,
         has_attitude: known.has_attitude && carries_attitude(&known.trajectory),
         marked: known.moving,
     })

@@ -28,6 +28,7 @@ pub mod alignment;
 mod error;
 mod foot_input;
 pub mod foot_ins;
+pub mod fused;
 pub mod ins_wifi;
 pub mod marg_ins;
 pub mod pdr;
@@ -50,8 +51,8 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt::Debug;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// Which parts of a [`Solution`] a method estimates; the others are zero and mean nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -76,6 +77,16 @@ pub enum RadioUse {
     Needed,
 }
 
+/// Where a tag is worn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Worn {
+    /// On a foot.
+    Foot,
+    /// Anywhere else on somebody who walks: waist, chest, head, pocket, hand.
+    Body,
+}
+
 /// What is known of a sensor and a site beside the log; a method takes what it can use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Known {
@@ -91,6 +102,8 @@ pub struct Known {
     pub start: Option<StartPose>,
     /// The body's axes are those of the wearer (x forward, y left, z up): somebody declared how the tag is mounted.
     pub mounted: bool,
+    /// Where the tag is worn.
+    pub worn: Option<Worn>,
 }
 
 /// A method at work: observations in, solutions out, in bounded memory.

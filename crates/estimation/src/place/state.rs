@@ -1,7 +1,7 @@
 //! One hypothesis of where somebody is: state, covariance, and what each kind of observation does to them.
 //!
 //! ```text
-//! x = [ p 3 | ψ | η | ρ | κ | b | c ]
+//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o ]
 //! p ← p + (κ R(ψ + η) Δ_level, Δ_up),   R(θ) = |  cos θ  sin θ |    (θ clockwise, as headings are)
 //!                                             | −sin θ  cos θ |
 //! η ← η + ρ Δt                                  while the gyro alone holds the heading
@@ -9,18 +9,21 @@
 //! ```
 //!
 //! Δ is the way of the carrier in its own frame, ψ the angle that its frame is turned by, η the error of its heading, ρ the rate at which that drifts, κ the factor of its
-//! lengths, b what the barometer's height reads too much, c what all ranges read too long. Zero velocity makes all of a strapdown but position and heading observable
+//! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late, o by how much the tag hears every
+//! signal too strong. Zero velocity makes all of a strapdown but position and heading observable
 //! (Nilsson, Zachariah, Skog & Händel 2013): these states are what is left. The error is truth minus estimate.
 //!
 //! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
 
 use crate::kalman::dense::propagate;
+use crate::radio::Emitter;
+use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use core::f64::consts::FRAC_1_SQRT_2;
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
-pub const STATES: usize = 9;
+pub const STATES: usize = 11;
 /// East, the first of three components of the position.
 pub const EAST: usize = 0;
 /// North.
@@ -39,6 +42,10 @@ pub const FACTOR: usize = 6;
 pub const BAROMETER: usize = 7;
 /// c: what all ranges read too long, m.
 pub const COMMON: usize = 8;
+/// τ: by how much ranges are stamped late, s.
+pub const CLOCK: usize = 9;
+/// o: by how much the tag hears every signal too strong, dB.
+pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
@@ -109,6 +116,22 @@ pub struct Seen<const M: usize> {
     pub noise: SMatrix<f64, M, M>,
 }
 
+/// What the carrier did since an observation.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Back {
+    /// Its way since, in its own frame, m.
+    pub way_m: Vector3<f64>,
+    /// Its velocity at the time of the observation, m/s.
+    pub velocity_m_s: Vector3<f64>,
+}
+
+/// An expected distance.
+struct Sphere {
+    expected_m: f64,
+    spread_m2: f64,
+    jacobian: SMatrix<f64, 1, STATES>,
+}
+
 /// What an update did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taken {
@@ -135,12 +158,16 @@ pub struct State {
     pub barometer_m: f64,
     /// c, m.
     pub common_m: f64,
+    /// τ, s.
+    pub clock_s: f64,
+    /// o, dB.
+    pub hearing_db: f64,
     /// Covariance of the error.
     pub covariance: Covariance,
 }
 
 impl State {
-    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m; squared).
+    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s, dB; squared).
     pub fn new(variances: &Vector) -> Self {
         Self {
             position_m: Vector3::zeros(),
@@ -149,6 +176,8 @@ impl State {
             factor: 1.0,
             barometer_m: 0.0,
             common_m: 0.0,
+            clock_s: 0.0,
+            hearing_db: 0.0,
             covariance: Covariance::from_diagonal(variances),
         }
     }
@@ -224,7 +253,7 @@ impl State {
         block += covariance_m2;
     }
 
-    /// Derivative of the position before a way of the carrier by the error state: 3×9.
+    /// Derivative of the position before a way of the carrier by the error state: 3×11.
     fn before_by(&self, way_m: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
         let since = self.on_map(way_m);
         let mut by = SMatrix::<f64, 3, STATES>::zeros();
@@ -274,22 +303,17 @@ impl State {
         seen
     }
 
-    /// A range to an anchor, m: `r = ‖p − a‖ + ½ tr(M P) + c + e`.
+    /// A range to an anchor, m: `r = ‖p − v τ − a‖ + ½ tr(M P) + c + e`.
     ///
     /// `M = (I − u uᵀ)/d` is the curvature of the sphere; its second moment `½ tr(M P M P)` is noise (Jazwinski 1970, §9.3).
-    pub fn see_range(
-        &self,
-        anchor_m: &Vector3<f64>,
-        (range_m, sigma_m): (f64, f64),
-        way_m: &Vector3<f64>,
-    ) -> Seen<1> {
-        let (distance_m, toward, [bias, spread]) = self.sphere(anchor_m, way_m);
-        let mut jacobian = toward.transpose() * self.before_by(way_m);
+    pub fn see_range(&self, anchor_m: &Vector3<f64>, (range_m, sigma_m): (f64, f64), back: &Back) -> Seen<1> {
+        let sphere = self.sphere(anchor_m, back);
+        let mut jacobian = sphere.jacobian;
         jacobian[(0, COMMON)] = 1.0;
         Seen {
-            residual: SVector::<f64, 1>::new(range_m - distance_m - bias - self.common_m),
+            residual: SVector::<f64, 1>::new(range_m - sphere.expected_m - self.common_m),
             jacobian,
-            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + spread),
+            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + sphere.spread_m2),
         }
     }
 
@@ -298,25 +322,58 @@ impl State {
         &self,
         [first_m, second_m]: [&Vector3<f64>; 2],
         (difference_m, sigma_m): (f64, f64),
-        way_m: &Vector3<f64>,
+        back: &Back,
     ) -> Seen<1> {
-        let (near, toward, [bias, spread]) = self.sphere(first_m, way_m);
-        let (far, away, [other_bias, other_spread]) = self.sphere(second_m, way_m);
+        let (first, second) = (self.sphere(first_m, back), self.sphere(second_m, back));
         Seen {
-            residual: SVector::<f64, 1>::new(difference_m - (near + bias - far - other_bias)),
-            jacobian: (toward - away).transpose() * self.before_by(way_m),
-            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + spread + other_spread),
+            residual: SVector::<f64, 1>::new(difference_m - (first.expected_m - second.expected_m)),
+            jacobian: first.jacobian - second.jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_m * sigma_m + first.spread_m2 + second.spread_m2),
         }
     }
 
-    /// Distance, direction from the anchor, and the two moments of the curvature.
-    fn sphere(&self, anchor_m: &Vector3<f64>, way_m: &Vector3<f64>) -> (f64, Vector3<f64>, [f64; 2]) {
-        let away = self.before(way_m) - anchor_m;
+    /// A signal strength, dBm: `P(‖p − a‖) + o + e`, P the path loss, over a level distance and a height above the tag.
+    ///
+    /// Near the transmitter the logarithm bends; what is not known of the place smooths it, and its second moment is noise.
+    pub fn see_signal(
+        &self,
+        emitter: &Emitter,
+        (rssi_dbm, sigma_db): (f64, f64),
+        way_m: &Vector3<f64>,
+    ) -> Seen<1> {
+        let away = self.before(way_m).xy() - emitter.position_m.xy();
+        let spread_m2 = self.covariance.fixed_view::<2, 2>(EAST, EAST).trace();
+        let square_m2 = away.norm_squared() + emitter.position_m.z * emitter.position_m.z;
+        let smooth_m2 = (square_m2 + spread_m2).max(NEAREST_M * NEAREST_M);
+        let fall_db = fall_db(&emitter.path_loss, libm::sqrt(smooth_m2));
+        let slope = away * (-fall_db / smooth_m2);
+        let mut jacobian = slope.transpose() * self.before_by(way_m).fixed_rows::<2>(0);
+        jacobian[(0, HEARING)] = 1.0;
+        let bent_db = 0.5 * fall_db * spread_m2 / smooth_m2;
+        Seen {
+            residual: SVector::<f64, 1>::new(
+                rssi_dbm - mean_of_square_dbm(&emitter.path_loss, square_m2) - self.hearing_db,
+            ),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_db * sigma_db + bent_db * bent_db),
+        }
+    }
+
+    /// What a distance from an anchor is expected to be.
+    fn sphere(&self, anchor_m: &Vector3<f64>, back: &Back) -> Sphere {
+        let velocity_m_s = self.on_map(&back.velocity_m_s);
+        let away = self.before(&back.way_m) - velocity_m_s * self.clock_s - anchor_m;
         let distance_m = away.norm().max(NEAREST_M);
         let toward = away / distance_m;
         let curvature = (Matrix3::identity() - toward * toward.transpose()) / distance_m;
         let bent = curvature * self.position_covariance_m2();
-        (distance_m, toward, [0.5 * bent.trace(), 0.5 * (bent * bent).trace()])
+        let mut jacobian = toward.transpose() * self.before_by(&back.way_m);
+        jacobian[(0, CLOCK)] = -toward.dot(&velocity_m_s);
+        Sphere {
+            expected_m: distance_m + 0.5 * bent.trace(),
+            spread_m2: 0.5 * (bent * bent).trace(),
+            jacobian,
+        }
     }
 
     /// Takes a measurement. Where its normalised innovation squared exceeds `bound` its noise grows until it does not (Huber 1964): an outlier pulls no more than one at the
@@ -382,6 +439,8 @@ impl State {
         self.factor = (self.factor + correction[FACTOR]).clamp(FACTORS.0, FACTORS.1);
         self.barometer_m += correction[BAROMETER];
         self.common_m += correction[COMMON];
+        self.clock_s += correction[CLOCK];
+        self.hearing_db += correction[HEARING];
     }
 
     /// The two moments of a mixture of this state and another, which has this share of it.
@@ -400,6 +459,8 @@ impl State {
         apart[FACTOR] = other.factor - self.factor;
         apart[BAROMETER] = other.barometer_m - self.barometer_m;
         apart[COMMON] = other.common_m - self.common_m;
+        apart[CLOCK] = other.clock_s - self.clock_s;
+        apart[HEARING] = other.hearing_db - self.hearing_db;
         self.covariance = self.covariance * (1.0 - share)
             + other.covariance * share
             + apart * apart.transpose() * (share * (1.0 - share));

@@ -343,7 +343,7 @@ impl Named {
     }
 }
 
-fn names(transmitters: &[Transmitter]) -> Vec<(DeviceId, usize)> {
+pub(crate) fn names(transmitters: &[Transmitter]) -> Vec<(DeviceId, usize)> {
     let both = |(one, number): (&Transmitter, usize)| {
         [Some(&one.id), one.mac.as_ref()].map(|name| Some((DeviceId::new(name?)?, number)))
     };
@@ -357,7 +357,7 @@ fn strongest<T>(all: &mut Vec<T>, count: usize, value: impl Fn(&T) -> f64) {
 }
 
 /// The transmitters with their path loss, heights above the tag.
-fn emitters(site: &RadioSite, params: &LocatorParams) -> Vec<(Emitter, Option<i32>)> {
+pub(crate) fn emitters(site: &RadioSite, params: &LocatorParams) -> Vec<(Emitter, Option<i32>)> {
     let height_m = params.height_m.or(site.calibrated.map(|calibrated| calibrated.height_m));
     let sigma_db = site.calibrated.map_or(params.sigma_db, |calibrated| calibrated.sigma_db);
     let emitter = |transmitter: &Transmitter| {

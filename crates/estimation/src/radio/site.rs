@@ -7,11 +7,14 @@ use super::map::{Hearing, Storeys};
 use super::model::{FingerprintModel, PathLossModel};
 use super::nearest::Fingerprints;
 use super::{AreaPrior, MapParams, PathLoss, RadioMap};
+use crate::place::roadways::Roadways;
 use crate::ranging::correction::RangeCorrection;
 use adit_core::nalgebra::{Vector2, Vector3};
+use adit_mine::Mine;
 use adit_mine::plan::{AccessPoint, MinePlan, Radio};
 use adit_observation::DeviceId;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +51,17 @@ pub struct SiteAnchor {
     pub position_m: Vector3<f64>,
     /// What it adds to every range, m.
     pub range_offset_m: f64,
+}
+
+/// A reader of a portal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reader {
+    /// Its id, as in the logs.
+    pub id: String,
+    /// East, north, height of its antenna, m.
+    pub position_m: Vector3<f64>,
+    /// How far it sees, m.
+    pub range_m: f64,
 }
 
 /// What of a calibration is the same for all transmitters.
@@ -112,6 +126,11 @@ pub struct RadioSite {
     pub transmitters: Vec<Transmitter>,
     /// Anchors.
     pub anchors: Vec<SiteAnchor>,
+    /// Readers of portals.
+    pub readers: Vec<Reader>,
+    /// Roadways as map matching wants them, where the whole mine is known.
+    #[serde(skip)]
+    pub roadways: Option<Arc<Roadways>>,
     /// Places where people are, east, north, m: along the centre lines of roadways.
     pub spots_m: Vec<Vector2<f64>>,
     /// Those centre lines.
@@ -129,7 +148,14 @@ pub struct RadioSite {
 }
 
 impl RadioSite {
-    /// Access points, anchors and roadways of a mine; where it has no access points, its anchors stand for them (a bare list of places).
+    /// The same of a whole mine, with its roadways to match a walker to.
+    pub fn of_mine(mine: &Mine) -> Self {
+        let roadways = Roadways::new(mine);
+        let roadways = (roadways.pieces() > 0).then(|| Arc::new(roadways));
+        Self { roadways, ..Self::of_plan(mine.plan()) }
+    }
+
+    /// Access points, anchors and roadways of a plan; where it has no access points, its anchors stand for them (a bare list of places).
     pub fn of_plan(plan: &MinePlan) -> Self {
         let mut transmitters: Vec<Transmitter> = plan.access_points.iter().map(Transmitter::of).collect();
         if transmitters.is_empty() {
@@ -165,9 +191,16 @@ impl RadioSite {
         let widest_m = plan.roadways.iter().map(|roadway| roadway.width_m).fold(0.0, f64::max);
         let area = AreaPrior::of(&spots_m, MARGIN_M);
         let reach_m = MARGIN_M.max(0.5 * widest_m);
+        let readers = plan.rfid_portals.iter().map(|portal| Reader {
+            id: portal.id.clone(),
+            position_m: *portal.position_m.raw(),
+            range_m: portal.range_m,
+        });
         Self {
             transmitters,
             anchors,
+            readers: readers.collect(),
+            roadways: None,
             spots_m,
             centre_lines,
             reach_m,
@@ -176,6 +209,11 @@ impl RadioSite {
             surveyed: None,
             ranges: None,
         }
+    }
+
+    /// Whether signal strengths tell anything here: transmitters other than the anchors, or a survey.
+    pub fn has_signals(&self) -> bool {
+        self.surveyed.is_some() || !self.transmitters.is_empty()
     }
 
     /// The same with what `adit calibrate pathloss` found.

@@ -13,13 +13,26 @@
 //!
 //! Position and velocity are horizontal. NEES of position (2), velocity (2), heading (1), and of the five together; a part
 //! whose variances are not all above zero in a solution is left out.
+//!
+//! Several comparisons make a [`Suite`]: each with its [`Figure`] of merit, one number of a run, and the [`PairedDifference`] of methods over the runs.
 
+mod figure;
 mod html;
+mod paired;
 mod run;
+mod suite;
+mod suite_html;
 mod summary;
 
+pub use figure::Figure;
 pub use html::html;
-pub use run::{Moments, RunErrors, RunOptions, TrueState, path_errors_m, run_errors};
+pub use paired::PairedDifference;
+pub use run::{
+    Moments, RunErrors, RunOptions, TrueState, loop_error, path_errors_m, run_errors, run_errors_at_truth,
+    run_motion,
+};
+pub use suite::{Difference, JudgedPart, Merit, Suite, SuitePart};
+pub use suite_html::{part_html, suite_html};
 pub use summary::{
     Comparison, Consistency, MethodSummary, Nees, NisSummary, OverSeeds, Quantiles, RunOutcome, summarise,
 };

@@ -4,8 +4,10 @@ use super::GRID_S;
 use crate::EvaluationError;
 use crate::alignment::{Alignment, RigidMotion, align};
 use crate::association::{Association, associate};
+use crate::attitude_only::{WithoutPosition, evaluate_attitude};
 use crate::consistency::normalised_squared_error;
-use crate::evaluate::trajectory;
+use crate::evaluate::{EvaluationOptions, evaluate, trajectory};
+use crate::marks::Judged;
 use adit_core::solution::Solution;
 use adit_core::time::{Interval, Time};
 use adit_core::trajectory::{Pose, Trajectory};
@@ -52,6 +54,8 @@ pub struct RunOptions {
     pub moments: Moments,
     /// The method estimates positions and velocities, not attitude alone.
     pub positions: bool,
+    /// The truth has heights.
+    pub heights: bool,
     /// The truth has attitudes.
     pub attitudes: bool,
 }
@@ -67,6 +71,10 @@ pub struct RunErrors {
     pub heading_deg: Vec<f32>,
     /// Horizontal velocity, m/s; empty where the truth has none.
     pub velocity_m_s: Vec<f32>,
+    /// Height, m; empty without positions, or where the truth has no heights.
+    pub up_m: Vec<f32>,
+    /// The whole angle between attitudes, deg; empty without attitudes.
+    pub attitude_deg: Vec<f32>,
     /// NEES of position, velocity, heading, all; NaN where it is not given.
     pub nees: Vec<[f32; PARTS]>,
 }
@@ -78,11 +86,7 @@ pub fn run_errors(
     options: &RunOptions,
 ) -> Result<RunErrors, EvaluationError> {
     let path = Trajectory::new(truth.iter().map(|state| state.pose).collect())?;
-    let motion = if options.positions && options.alignment != Alignment::None {
-        motion(&trajectory(solutions)?, &path, options.alignment)?
-    } else {
-        RigidMotion::identity()
-    };
+    let motion = run_motion(solutions, &path, options)?;
     let mut errors = RunErrors::default();
     for (index, since_s, pose) in judged(solutions.iter().map(|s| s.time), &path, options.moments) {
         let solution = &solutions[index];
@@ -92,6 +96,71 @@ pub fn run_errors(
         return Err(NOTHING_JUDGED);
     }
     Ok(errors)
+}
+
+/// What aligns the solutions of a run with its truth.
+pub fn run_motion(
+    solutions: &[Solution],
+    truth: &Trajectory,
+    options: &RunOptions,
+) -> Result<RigidMotion, EvaluationError> {
+    if !options.positions || options.alignment == Alignment::None {
+        return Ok(RigidMotion::identity());
+    }
+    motion(&trajectory(solutions)?, truth, options.alignment)
+}
+
+/// Judges the solutions of a run at the stamps of its truth that are marked (all, where it marks none), as [`crate::evaluate()`] does: for a truth
+/// that is a list of places and says nothing between them. The moments of the options do not matter; errors have no NEES.
+pub fn run_errors_at_truth(
+    solutions: &[Solution],
+    truth: &Trajectory,
+    marked: Option<&[bool]>,
+    options: &RunOptions,
+) -> Result<RunErrors, EvaluationError> {
+    let estimate = trajectory(solutions)?;
+    let how = EvaluationOptions {
+        alignment: options.alignment,
+        attitude: options.attitudes,
+        marked: marked.map(<[bool]>::to_vec),
+        relative: Vec::new(),
+        ..EvaluationOptions::default()
+    };
+    let mut errors = RunErrors::default();
+    let first = truth.poses().first().map(|pose| pose.time);
+    let since = |time: Time| first.map_or(0.0, |first| (time - first).seconds());
+    let attitudes = if options.positions {
+        let judged = evaluate(&estimate, truth, &how)?;
+        let positions = &judged.position_errors;
+        errors.time_s = positions.times().iter().map(|time| single(since(*time))).collect();
+        errors.level_m = positions.errors_m().iter().map(|e| [single(e.x), single(e.y)]).collect();
+        if options.heights {
+            errors.up_m = positions.errors_m().iter().map(|e| single(e.z)).collect();
+        }
+        judged.attitude_errors
+    } else {
+        let judged = evaluate_attitude(&estimate, truth, WithoutPosition::Truth, &how)?.judged_errors;
+        let scored = Judged::of(truth, marked)?.truth;
+        let covered = |time: Time| estimate.at(time).is_some();
+        let times = scored.poses().iter().map(|pose| pose.time).filter(|time| covered(*time));
+        errors.time_s = times.map(|time| single(since(time))).collect();
+        judged
+    };
+    errors.heading_deg = attitudes.iter().map(|e| single(e.signed_heading_rad.to_degrees())).collect();
+    errors.attitude_deg = attitudes.iter().map(|e| single(e.total_rad.to_degrees())).collect();
+    Ok(errors)
+}
+
+/// Judges a run of which nothing is known but that it ended where it began: one error, of its last position against its first.
+pub fn loop_error(solutions: &[Solution]) -> Result<RunErrors, EvaluationError> {
+    let (Some(first), Some(last)) = (solutions.first(), solutions.last()) else { return Err(NOTHING_JUDGED) };
+    let error = last.position_m - first.position_m;
+    Ok(RunErrors {
+        time_s: vec![single((last.time - first.time).seconds())],
+        level_m: vec![[single(error.x), single(error.y)]],
+        up_m: vec![single(error.z)],
+        ..RunErrors::default()
+    })
 }
 
 /// Horizontal position errors of a path, m, at the moments at which [`run_errors`] judges it.
@@ -178,7 +247,8 @@ impl RunErrors {
         options: &RunOptions,
     ) {
         let turn = motion.rotation.to_rotation_matrix().into_inner();
-        let position = (motion.position(&solution.position_m) - truth.position_m).xy();
+        let position = motion.position(&solution.position_m) - truth.position_m;
+        let (up, position) = (position.z, position.xy());
         let velocity = velocity_m_s.map(|v| (turn * solution.velocity_m_s - v).xy());
         let off = (motion.rotation * solution.attitude) * truth.attitude.inverse();
         // Compass heading: clockwise.
@@ -188,12 +258,16 @@ impl RunErrors {
         self.time_s.push(single(since_s));
         if options.positions {
             self.level_m.push([single(position.x), single(position.y)]);
+            if options.heights {
+                self.up_m.push(single(up));
+            }
             if let Some(velocity) = velocity {
                 self.velocity_m_s.push(single(velocity.norm()));
             }
         }
         if options.attitudes {
             self.heading_deg.push(single(heading.to_degrees()));
+            self.attitude_deg.push(single(off.angle().to_degrees()));
         }
         let joint = joint_covariance(solution, &turn);
         let level = |row: usize| -> Matrix2<f64> { joint.fixed_view::<2, 2>(row, row).into_owned() };
@@ -216,6 +290,11 @@ impl RunErrors {
     /// Horizontal distances, m.
     pub fn horizontal_m(&self) -> impl Iterator<Item = f64> + '_ {
         self.level_m.iter().map(|[east, north]| f64::from(east.hypot(*north)))
+    }
+
+    /// Distances in space, m; none without heights.
+    pub fn spatial_m(&self) -> impl Iterator<Item = f64> + '_ {
+        self.horizontal_m().zip(&self.up_m).map(|(level, up)| level.hypot(f64::from(*up)))
     }
 }
 

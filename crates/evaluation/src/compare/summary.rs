@@ -170,8 +170,8 @@ pub struct Comparison {
     pub alignment: String,
     /// Judged from this time on, s.
     pub judged_from_s: f64,
-    /// Time between judged moments, s.
-    pub judged_every_s: f64,
+    /// Time between judged moments, s; none where they are the stamps of the truth.
+    pub judged_every_s: Option<f64>,
     /// Judged only while the truth moves faster than this, m/s.
     pub judged_above_m_s: f64,
     /// By name, in the order in which they were named; a map in JSON.
@@ -313,7 +313,10 @@ impl Comparison {
             0.0 => String::new(),
             speed => format!(" while moving faster than {speed} m/s"),
         };
-        format!("from {} s on every {} s{moving}", self.judged_from_s, self.judged_every_s)
+        match self.judged_every_s {
+            Some(every_s) => format!("from {} s on every {every_s} s{moving}", self.judged_from_s),
+            None => "at the stamps of the truth".to_owned(),
+        }
     }
 }
 

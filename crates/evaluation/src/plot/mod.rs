@@ -131,6 +131,14 @@ pub fn distribution_figure(series: &[DistributionCurve], title: &str) -> Result<
     canvas::svg((900, 480), title, |page| curves::distributions(page, "", ("m", "poses"), series))
 }
 
+/// Cumulative distributions of errors in this unit, over judged moments.
+pub fn error_distribution_figure(
+    series: &[DistributionCurve],
+    unit: &str,
+) -> Result<String, EvaluationError> {
+    canvas::svg((900, 420), "", |page| curves::distributions(page, "", (unit, "moments"), series))
+}
+
 /// Truth and aligned estimate of an evaluation.
 pub fn evaluation_paths(evaluation: &Evaluation) -> [PathCurve<'_>; 2] {
     [

@@ -1,6 +1,6 @@
 //! Changing a sidecar without losing what else stands in it: other keys, their order, comments.
 
-use super::{MagneticFieldReference, MagnetometerCalibration, Sidecar, text_of};
+use super::{Location, MagneticFieldReference, MagnetometerCalibration, Sidecar, text_of};
 use crate::error::{LogError, Place};
 use crate::files::AtomicFile;
 use crate::imu::ImuSpecification;
@@ -65,6 +65,11 @@ impl SidecarEdit {
     /// Sets `[frame] magnetic_declination_deg`, east positive.
     pub fn set_declination_deg(&mut self, declination_deg: f64) {
         self.set("frame", "magnetic_declination_deg", number(declination_deg));
+    }
+
+    /// Sets `[mounting] location`.
+    pub fn set_location(&mut self, location: Location) {
+        self.set("mounting", "location", Value::from(location.name()));
     }
 
     /// Sets `[noise]`.

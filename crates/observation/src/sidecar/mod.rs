@@ -130,6 +130,26 @@ pub enum Location {
     Other,
 }
 
+impl Location {
+    /// As written in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Foot => "foot",
+            Self::Shank => "shank",
+            Self::Thigh => "thigh",
+            Self::Waist => "waist",
+            Self::Chest => "chest",
+            Self::Head => "head",
+            Self::Wrist => "wrist",
+            Self::Hand => "hand",
+            Self::Pocket => "pocket",
+            Self::Bag => "bag",
+            Self::Vehicle => "vehicle",
+            Self::Other => "other",
+        }
+    }
+}
+
 /// What the signs mean, and where north is.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]

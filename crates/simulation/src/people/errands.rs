@@ -4,6 +4,7 @@ use super::body::Body;
 use super::ground::{BODY_HALF_WIDTH_M, Ground, Place, Stand};
 use super::itinerary::{Doing, Episode, Going, Itinerary, seated, wander_m};
 use super::posture::Manner;
+use super::roam::{self, Roam};
 use super::vehicle::Vehicle;
 use super::vibration::{Tone, between};
 use crate::error::{SimulationError, check_within};
@@ -79,6 +80,8 @@ pub enum Errand {
         /// Number of the stop to leave it at, from 0.
         to_stop: usize,
     },
+    /// Walk about, to places that are drawn.
+    Roam(Roam),
 }
 
 /// The pen that writes an itinerary.
@@ -152,6 +155,7 @@ impl<'a> Planner<'a> {
                     return Err(SimulationError::Unknown { name: "to", found, expected });
                 }
             }
+            Errand::Roam(roam) => roam::plan(self, roam)?,
             Errand::Ride { vehicle, to_stop } => {
                 let known = self.vehicles.get(*vehicle);
                 let vehicles = self.vehicles.len() as f64 - 1.0;
@@ -214,7 +218,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Goes somewhere with the speeds of this body.
-    fn go_as(&mut self, body: &Body, to: &Stand, pace: Pace) -> bool {
+    pub fn go_as(&mut self, body: &Body, to: &Stand, pace: Pace) -> bool {
         let headroom_m = self.body.headroom * self.body.height_m;
         let from = self.stand;
         if (self.ground.place(to).0 - self.place).norm() < NO_WAY_M {

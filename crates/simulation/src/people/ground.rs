@@ -8,7 +8,7 @@ use adit_core::frames::{MineGrid, Position};
 use adit_core::nalgebra::{Vector2, Vector3};
 use adit_mine::Mine;
 use adit_mine::network::{Edge, EdgeId, Network, NodeId, Spot, Travel};
-use adit_mine::plan::RoadwayKind;
+use adit_mine::plan::{Roadway, RoadwayKind};
 use serde::{Deserialize, Serialize};
 
 /// Half of a body's width, arms included, m.
@@ -59,6 +59,9 @@ pub(crate) struct Ground {
     pub network: Network,
     /// Half width and height of each roadway, m, and its id.
     roadways: Vec<(f64, f64, String)>,
+    /// Number of the level of each roadway; none of what leads from level to level.
+    on_level: Vec<Option<usize>>,
+    levels: Vec<String>,
     zones: Vec<(String, Vec<Spot>)>,
 }
 
@@ -95,8 +98,30 @@ impl Ground {
         let mine = Mine::unchecked(plan);
         let zones = mine.plan().zones.iter().map(|zone| (zone.id.clone(), mine.spots_in(zone))).collect();
         let roadways = &mine.plan().roadways;
+        let levels: Vec<String> = mine.plan().levels.iter().map(|level| level.id.clone()).collect();
+        let on_level = |roadway: &Roadway| {
+            let id = roadway.level.as_ref().filter(|_| roadway.kind != RoadwayKind::Ramp)?;
+            levels.iter().position(|level| level == id)
+        };
+        let on_level = roadways.iter().map(on_level).collect();
         let roadways = roadways.iter().map(|r| (0.5 * r.width_m, r.height_m, r.id.clone())).collect();
-        Self { network: mine.network().clone(), roadways, zones }
+        Self { network: mine.network().clone(), roadways, on_level, levels, zones }
+    }
+
+    /// The level of an edge; none of what leads from level to level.
+    pub fn level_of(&self, edge: &Edge) -> Option<&str> {
+        self.on_level[edge.roadway].map(|level| self.levels[level].as_str())
+    }
+
+    /// The ids are those of levels.
+    pub fn check_levels(&self, ids: &[String]) -> Result<(), SimulationError> {
+        match ids.iter().find(|id| !self.levels.contains(id)) {
+            None => Ok(()),
+            Some(found) => {
+                let expected = "the id of a level";
+                Err(SimulationError::Unknown { name: "levels", found: found.clone(), expected })
+            }
+        }
     }
 
     pub fn half_width_m(&self, edge: EdgeId) -> f64 {

@@ -28,6 +28,9 @@ pub struct PersonSpec {
     /// Build, speeds, habits.
     #[serde(default)]
     pub body: Body,
+    /// Draw them about `body` by the seed, as those of people whose shift is drawn.
+    #[serde(default)]
+    pub drawn: bool,
     /// Where they are at first.
     pub start: Place,
     /// What they do, in order.
@@ -136,11 +139,12 @@ impl Population {
     ) -> Result<Person, SimulationError> {
         person.body.check()?;
         let start = self.ground.stand("start", &person.start)?;
-        let mut planner = Planner::new(&self.ground, &self.vehicles, person.body, seat, start, rng);
+        let body = if person.drawn { drawn(&person.body, rng) } else { person.body };
+        let mut planner = Planner::new(&self.ground, &self.vehicles, body, seat, start, rng);
         for errand in &person.errands {
             planner.run(errand)?;
         }
-        Ok(Person::new(person.body, planner.finish(), self.seed, number))
+        Ok(Person::new(body, planner.finish(), self.seed, number))
     }
 }
 

@@ -4,11 +4,12 @@ use super::errands::{Pace, Planner};
 use super::ground::{BODY_HALF_WIDTH_M, Ground, Stand};
 use super::itinerary::Itinerary;
 use super::posture::Manner;
+use super::stretches::{Stretches, near};
 use super::vibration::between;
 use crate::error::{SimulationError, check_within};
 use adit_mine::Mine;
-use adit_mine::network::{EdgeId, Spot, Travel};
-use adit_mine::plan::{RoadwayKind, ZoneKind};
+use adit_mine::network::{Spot, Travel};
+use adit_mine::plan::ZoneKind;
 use serde::{Deserialize, Serialize};
 
 /// Shares of the time at a place of work; only their ratios count.
@@ -107,8 +108,8 @@ impl ShiftSpec {
 #[derive(Debug, Clone)]
 pub(super) struct Workings {
     portals: Vec<Spot>,
-    /// Edges with places of work, and the length up to the end of each, m.
-    faces: Vec<(EdgeId, f64)>,
+    /// Where places of work are.
+    faces: Stretches,
 }
 
 impl Workings {
@@ -126,25 +127,13 @@ impl Workings {
                 spec.levels.iter().any(|wanted| wanted == level)
             }
         };
-        if let Some(found) = spec.levels.iter().find(|id| !plan.levels.iter().any(|level| level.id == **id)) {
-            let expected = "the id of a level";
-            return Err(SimulationError::Unknown { name: "levels", found: found.clone(), expected });
-        }
-        let mut length_m = 0.0;
-        let mut faces = Vec::new();
-        for (id, edge) in (0_u32..).map(EdgeId).zip(ground.network.edges()) {
-            let roadway = &plan.roadways[edge.roadway];
-            let here = roadway.level.as_deref().is_some_and(wanted) && roadway.kind != RoadwayKind::Ramp;
-            if here && edge.walkable {
-                length_m += edge.length_m();
-                faces.push((id, length_m));
-            }
-        }
+        ground.check_levels(&spec.levels)?;
+        let faces = Stretches::new(ground, wanted);
         let portals: Vec<Spot> = zones.iter().filter_map(|zone| ground.zone(&zone.id)).flatten().collect();
         // A portal counts from which some place of work can be walked to.
         let reached = |spot: &Spot| {
-            faces.iter().any(|(edge, _)| {
-                ground.network.route(spot, &Spot { edge: *edge, along_m: 0.0 }, Travel::OnFoot).is_some()
+            faces.edges().any(|edge| {
+                ground.network.route(spot, &Spot { edge, along_m: 0.0 }, Travel::OnFoot).is_some()
             })
         };
         let portals: Vec<Spot> = portals.into_iter().filter(reached).collect();
@@ -162,12 +151,10 @@ impl Workings {
         Stand { spot, left_m: between(planner, -room_m, room_m) }
     }
 
+    /// A place of work; where they stand when there is none.
     fn face(&self, planner: &mut Planner<'_>) -> Stand {
-        let total = self.faces.last().map_or(0.0, |face| face.1);
-        let at = between(planner.rng, 0.0, total);
-        let index = self.faces.partition_point(|face| face.1 < at).min(self.faces.len() - 1);
-        let (edge, end_m) = self.faces[index];
-        near(planner, &Spot { edge, along_m: end_m - at }, 0.0)
+        let Some(spot) = self.faces.draw(planner.rng) else { return planner.stand };
+        near(planner.ground(), &spot, 0.0, planner.rng)
     }
 }
 
@@ -176,15 +163,6 @@ fn pick(rng: &mut rand_chacha::ChaCha8Rng, count: usize) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below the count")]
     let index = between(rng, 0.0, count as f64) as usize;
     index.min(count.saturating_sub(1))
-}
-
-/// A stand on the same edge within reach of a spot, anywhere across.
-fn near(planner: &mut Planner<'_>, spot: &Spot, reach_m: f64) -> Stand {
-    let ground = planner.ground();
-    let length_m = ground.network.edge(spot.edge).map_or(0.0, adit_mine::network::Edge::length_m);
-    let along_m = (spot.along_m + between(planner.rng, -reach_m, reach_m)).clamp(0.0, length_m);
-    let room_m = (ground.half_width_m(spot.edge) - BODY_HALF_WIDTH_M - 0.1).max(0.0);
-    Stand { spot: Spot { edge: spot.edge, along_m }, left_m: between(planner.rng, -room_m, room_m) }
 }
 
 /// Plans a shift with a planner that stands at a portal.
@@ -259,7 +237,7 @@ fn work(planner: &mut Planner<'_>, face: &Stand, spec: &ShiftSpec, until_s: f64)
             1 => planner.stay(stretch_s, Manner::Stand),
             going => {
                 let pace = [Pace::Walk, Pace::Run, Pace::Crawl][going - 2];
-                let goal = near(planner, &face.spot, spec.reach_m);
+                let goal = near(planner.ground(), &face.spot, spec.reach_m, planner.rng);
                 if !planner.go(&goal, pace) || planner.now_s <= before_s {
                     planner.stay(5.0, Manner::Stand);
                 }

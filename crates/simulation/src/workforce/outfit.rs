@@ -52,6 +52,8 @@ pub struct Outfit {
     pub magnetic: Option<(MagneticWorld, MagnetometerModel)>,
     /// Barometer, where it has one.
     pub barometer: Option<BarometerModel>,
+    /// Times [from, until) in which magnetometer and barometer say nothing, s: the IMU alone is left.
+    pub silent_s: Vec<[f64; 2]>,
     /// Radios.
     pub radio: RadioRates,
 }
@@ -69,7 +71,16 @@ impl Outfit {
         for (name, rate_hz) in [("scan_hz", scan_hz), ("ranging_hz", ranging_hz), ("portal_hz", portal_hz)] {
             check_within(name, rate_hz, 0.0, 1000.0, "0 to 1000 Hz, 0 for never")?;
         }
+        for [from_s, until_s] in &self.silent_s {
+            let expected = "an end no earlier than the beginning";
+            check_within("silent_s", *until_s, *from_s, f64::INFINITY, expected)?;
+        }
         Ok(())
+    }
+
+    /// Whether magnetometer and barometer say nothing.
+    pub fn is_silent(&self, time_s: f64) -> bool {
+        self.silent_s.iter().any(|[from_s, until_s]| (*from_s..*until_s).contains(&time_s))
     }
 }
 

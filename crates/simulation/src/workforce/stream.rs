@@ -88,6 +88,7 @@ impl Iterator for TagStream {
 /// What the tag measures on its own, in order of time; the barometer after the others.
 #[derive(Debug, Clone)]
 struct Local {
+    workforce: Arc<Workforce>,
     inertial: Peekable<Inertial>,
     barometer: Option<Peekable<Barometer<Arc<Worn>, Arc<MineAir>>>>,
 }
@@ -100,7 +101,7 @@ enum Inertial {
 }
 
 impl Local {
-    fn new(workforce: &Workforce, worn: &Arc<Worn>, person: u64) -> Result<Self, SimulationError> {
+    fn new(workforce: &Arc<Workforce>, worn: &Arc<Worn>, person: u64) -> Result<Self, SimulationError> {
         let outfit = &workforce.spec().outfit;
         let seed = workforce.seed.wrapping_add(SENSOR_STEP.wrapping_mul(person));
         let imu = Generator::new(Arc::clone(worn), outfit.ideal, outfit.imu_hz, &outfit.imu, seed)?;
@@ -116,7 +117,21 @@ impl Local {
             }
             _ => None,
         };
-        Ok(Self { inertial: inertial.peekable(), barometer })
+        Ok(Self { workforce: Arc::clone(workforce), inertial: inertial.peekable(), barometer })
+    }
+}
+
+impl Local {
+    /// Whatever is due next, said or not.
+    #[inline]
+    fn due(&mut self) -> Option<Emission> {
+        if let Some(barometer) = &mut self.barometer
+            && let Some((pressure, _)) = barometer.peek()
+            && self.inertial.peek().is_none_or(|other| pressure.time < other.time())
+        {
+            return barometer.next().map(|(sample, truth)| Emission::Pressure(sample, truth));
+        }
+        self.inertial.next()
     }
 }
 
@@ -125,13 +140,13 @@ impl Iterator for Local {
 
     #[inline]
     fn next(&mut self) -> Option<Emission> {
-        if let Some(barometer) = &mut self.barometer
-            && let Some((pressure, _)) = barometer.peek()
-            && self.inertial.peek().is_none_or(|other| pressure.time < other.time())
-        {
-            return barometer.next().map(|(sample, truth)| Emission::Pressure(sample, truth));
+        loop {
+            let emission = self.due()?;
+            let may_be_silent = matches!(emission, Emission::Magnetic(..) | Emission::Pressure(..));
+            if !may_be_silent || !self.workforce.spec().outfit.is_silent(emission.time().seconds()) {
+                return Some(emission);
+            }
         }
-        self.inertial.next()
     }
 }
 

@@ -4,4 +4,5 @@
 mod common;
 mod people;
 mod pressure;
+mod roam;
 mod vehicles;

@@ -19,6 +19,7 @@ fn roadway(id: &str, along_m: f64) -> Place {
 fn errands() -> PersonSpec {
     PersonSpec {
         body: Body::default(),
+        drawn: false,
         start: roadway("l300-haulage", 40.0),
         errands: vec![
             Errand::Stand { seconds: 20.0 },
@@ -278,7 +279,8 @@ fn an_errand_is_gone_at_the_speed_it_names() {
     let go =
         |along_m, speed_m_s| Errand::Go { to: roadway("l300-haulage", along_m), pace: Pace::Walk, speed_m_s };
     let errands = vec![go(300.0, Some(2.0)), go(40.0, Some(1.0)), go(300.0, None)];
-    let person = PersonSpec { body: Body::default(), start: roadway("l300-haulage", 40.0), errands };
+    let person =
+        PersonSpec { body: Body::default(), drawn: false, start: roadway("l300-haulage", 40.0), errands };
     let spec = PopulationSpec { persons: vec![person], ..PopulationSpec::default() };
     let person = Population::new(&mine, &spec, 1).unwrap().person(0).unwrap().unwrap();
     let episodes: Vec<_> = person.episodes().collect();
@@ -300,7 +302,7 @@ fn an_errand_is_gone_at_the_speed_it_names() {
 fn low_roadways_are_crawled() {
     let mine: Mine = crawlway();
     let errands = vec![Errand::Go { to: roadway("b", 30.0), pace: Pace::Walk, speed_m_s: None }];
-    let person = PersonSpec { body: Body::default(), start: roadway("a", 2.0), errands };
+    let person = PersonSpec { body: Body::default(), drawn: false, start: roadway("a", 2.0), errands };
     let spec = PopulationSpec { persons: vec![person], ..PopulationSpec::default() };
     let person = Population::new(&mine, &spec, 1).unwrap().person(0).unwrap().unwrap();
     let waist = person.waist(Belt::back());

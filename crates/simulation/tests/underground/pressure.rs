@@ -103,6 +103,7 @@ fn through_the_door() -> PersonSpec {
     let place = |along_m| Place::Roadway { id: "south".into(), along_m, left_m: 0.0 };
     PersonSpec {
         body: Body::default(),
+        drawn: false,
         start: place(20.0),
         errands: vec![
             Errand::Stand { seconds: 20.0 },

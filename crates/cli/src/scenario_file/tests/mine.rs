@@ -19,7 +19,7 @@ vehicles = [{ route = "ore", speed_m_s = 3.0 }]
 start = { zone = { id = "portal" } }
 errands = [
     { stand = { seconds = 2.0 } },
-    { go = { to = { roadway = { id = "l300-haulage", along_m = 10.0 } }, pace = "run" } },
+    { go = { to = { roadway = { id = "l300-haulage", along_m = 10.0 } }, pace = "run" } }, { roam = { until_s = 25.0, levels = ["l300"], reach_m = 90.0 } },
 ]
 [mine.population.shift]
 portal = "portal"
@@ -30,6 +30,7 @@ walk_m_s = 1.2
 mount = "belt-left"
 barometer = "bmp280"
 barometer_hz = 5.0
+silent_s = [[3.0, 4.0]]
 radio = { scan_hz = 1.0, ranging_hz = 10.0, detail = "range" }
 [mine.air]
 weather_rms_pa = 100.0
@@ -100,48 +101,49 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
         ("\"belt-left\"", "\"pocket\"", 25, "unknown variant `pocket`, expected one of `belt-front`"),
         ("\"bmp280\"", "\"bmp\"", 26, "unknown barometer \"bmp\", expected ideal, bmp280, bmp388"),
         ("barometer_hz = 5.0", "barometer_hz = 0.0", 27, "rate_hz is 0, expected 0.001 to 1000 Hz"),
+        ("[[3.0, 4.0]]", "[[3.0, 2.0]]", 28, "silent_s is 2, expected an end no earlier than the beginning"),
         (
             "ranging_hz = 10.0",
             "ranging_hz = -1.0",
-            28,
+            29,
             "ranging_hz is -1, expected 0 to 1000 Hz, 0 for never",
         ),
-        ("detail = \"range\"", "detail = \"all\"", 28, "unknown variant `all`, expected one of `range`"),
-        ("weather_rms_pa = 100.0", "weather_rms_pa = -1.0", 30, "weather_rms_pa is -1, expected"),
-        ("exponent = 1.9", "exponent = 19.0", 32, "exponent is 19, expected 0.1 to 10"),
-        ("noise_m = 0.05", "noise = 0.05", 33, "unknown field `noise`, expected one of"),
+        ("detail = \"range\"", "detail = \"all\"", 29, "unknown variant `all`, expected one of `range`"),
+        ("weather_rms_pa = 100.0", "weather_rms_pa = -1.0", 31, "weather_rms_pa is -1, expected"),
+        ("exponent = 1.9", "exponent = 19.0", 33, "exponent is 19, expected 0.1 to 10"),
+        ("noise_m = 0.05", "noise = 0.05", 34, "unknown field `noise`, expected one of"),
         (
             "shadowing_sigma_db = 4.0",
             "shadowing_sigma_db = nan",
-            35,
+            36,
             "shadowing_sigma_db is NaN, expected 0 to 100 dB",
         ),
-        ("until_s = 7.0", "until_s = 3.0", 38, "until_s is 3, expected later than from_s"),
+        ("until_s = 7.0", "until_s = 3.0", 39, "until_s is 3, expected later than from_s"),
         (
             "level = \"l300\"",
             "level = \"l999\"",
-            39,
+            40,
             "dead is \"l999\", expected the id of a level of the mine",
         ),
         (
             "level = \"l300\"",
             "device = \"a-0\"",
-            39,
+            40,
             "dead is \"a-0\", expected the id of a device of the mine",
         ),
-        ("level = \"l300\"", "share = 10.0", 39, "share is 10, expected a share from 0 to 1"),
+        ("level = \"l300\"", "share = 10.0", 40, "share is 10, expected a share from 0 to 1"),
         (
             "rate_sigma_ppm = 10.0",
             "rate_sigma_ppm = 1e9",
-            41,
+            42,
             "rate_sigma_ppm is 1000000000, expected 0 to 10000 ppm",
         ),
-        ("lost_good = 0.01", "lost_good = 1.01", 43, "lost_good is 1.01, expected a share from 0 to 1"),
-        ("most_delay_s = 2.0", "most_delay_s = -2.0", 44, "most_delay_s is -2, expected"),
+        ("lost_good = 0.01", "lost_good = 1.01", 44, "lost_good is 1.01, expected a share from 0 to 1"),
+        ("most_delay_s = 2.0", "most_delay_s = -2.0", 45, "most_delay_s is -2, expected"),
         (
             "sensor = \"hmc5883l\"",
             "sensor = \"ideal\"\n[[magnetic.steel]]\nat_m = [1.0, 2.0, 3.0]\nmoment_a_m2 = [1.0, 0.0, 0.0]\npeak_at_sensor_ut = 3.0",
-            47,
+            48,
             "peak_at_sensor_ut is that of one sensor, here are many: give peak",
         ),
     ] {
@@ -151,6 +153,20 @@ fn every_mistake_in_a_mine_is_told_with_its_line_and_what_to_do() {
         }
     }
     assert!(wrongly_told.is_empty(), "{wrongly_told:#?}");
+}
+
+#[test]
+fn every_mistake_in_a_walk_to_drawn_places_is_told_too() {
+    for (right, wrong, line, told) in [
+        ("until_s = 25.0", "until = 25.0", 17, "unknown field `until`, expected one of `until_s`"),
+        ("[\"l300\"]", "[\"l400\"]", 17, "levels is \"l400\", expected the id of a level"),
+        ("[\"l300\"]", "[\"surface\"]", 17, "levels is \"surface\", expected levels with places that can"),
+        ("reach_m = 90.0", "reach_m = 0.9", 17, "reach_m is 0.9, expected 1 m or more"),
+        ("reach_m = 90.0", "stop_share = 9.0", 17, "stop_share is 9, expected 0 to 1"),
+    ] {
+        let error = mistake(GOOD, right, wrong);
+        assert!(error.starts_with(&format!("walk.toml:{line}: {told}")), "{wrong}: {error}");
+    }
 }
 
 #[test]
@@ -192,6 +208,24 @@ fn a_log_holds_every_sensor_that_the_scenario_names() {
         }
     }
     assert_eq!(kinds[0], 2000, "20 s at 100 Hz");
-    assert_eq!(kinds[2], 100, "20 s at 5 Hz");
+    assert_eq!(kinds[2], 95, "20 s at 5 Hz, one of them silent");
     assert!(kinds[1] > 1400 && kinds[3] > 5 && kinds[4] > 50, "{kinds:?}");
+}
+
+#[test]
+fn who_is_left_with_the_imu_alone_has_nothing_else_and_all_else_stays_the_same() {
+    let right_clock = "offset_sigma_s = 0.0\nrate_sigma_ppm = 0.0\nrate_walk_ppm = 0.0";
+    let good = GOOD.replace("rate_sigma_ppm = 10.0", right_clock);
+    let log = |text: &str| -> Vec<Emission> {
+        let everybody = parse(text).unwrap().everybody(1).unwrap();
+        everybody.person(0).unwrap().emissions.collect()
+    };
+    let (all, some) =
+        (log(&good.replace("[[3.0, 4.0]]", "[]")), log(&good.replace("[[3.0, 4.0]]", "[[5.5, 7.25]]")));
+    let own = |e: &&Emission| matches!(e, Emission::Magnetic(..) | Emission::Pressure(..));
+    let hushed = |e: &&Emission| own(e) && (5.5..7.25).contains(&e.observation().time().seconds());
+    // 75 Hz and 5 Hz for 1.75 s.
+    let left_out = all.iter().filter(hushed).count();
+    assert!((131 + 8..=132 + 9).contains(&left_out), "{left_out}");
+    assert!(all.iter().filter(|e| !hushed(e)).eq(some.iter()));
 }

@@ -2,7 +2,7 @@
 
 mod mag;
 mod noise;
-mod radio;
+pub mod radio;
 mod range;
 mod readings;
 

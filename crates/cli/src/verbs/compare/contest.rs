@@ -1,5 +1,6 @@
 //! One method on one run.
 
+use super::conduct::Stamps;
 use super::ranges::RangeRecord;
 use crate::config;
 use crate::judged_ranges::JudgedRanges;
@@ -10,7 +11,9 @@ use adit_core::solution::Solution;
 use adit_core::trajectory::Trajectory;
 use adit_estimation::methods::{MethodError, MethodReport, MethodSettings, Nis};
 use adit_estimation::radio::RadioSite;
-use adit_evaluation::compare::{RunOptions, RunOutcome, run_errors};
+use adit_evaluation::compare::{
+    RunErrors, RunOptions, RunOutcome, loop_error, run_errors, run_errors_at_truth, run_motion,
+};
 use adit_evaluation::evaluate::trajectory;
 use adit_observation::Observation;
 use anyhow::{Context, Result, bail};
@@ -35,24 +38,57 @@ pub fn enter(
     trial: &Trial,
     contender: &Contender,
     site: Option<&Arc<RadioSite>>,
-    options: &RunOptions,
+    (stamps, options): (Stamps, &RunOptions),
 ) -> Result<(Entered, Option<Trajectory>)> {
     let place = || format!("{}: {}", contender.name, trial.name);
     let driven =
         with_settings!(contender.method, S => drive::<S>(trial, contender, site)).with_context(place)?;
     let driven = match driven {
         Ok(driven) => driven,
-        Err(error) => {
-            let warnings = vec![format!("{}: {error}", place())];
-            return Ok((Entered { outcome: None, warnings, ranges: RangeRecord::default() }, None));
-        }
+        Err(error) => return Ok((Entered::failed(format!("{}: {error}", place())), None)),
     };
-    let errors = run_errors(&driven.solutions, &trial.truth, options).with_context(place)?;
-    let path = options.positions.then(|| trajectory(&driven.solutions)).transpose()?;
+    let (errors, path) = match judge(trial, &driven.solutions, stamps, options) {
+        Ok(judged) => judged,
+        // A truth that is a list of places asks for 95 % of it.
+        Err(error) if stamps != Stamps::Solutions => {
+            return Ok((Entered::failed(format!("{}: {error}", place())), None));
+        }
+        Err(error) => return Err(error).with_context(place),
+    };
     let nis = driven.nis.map(|Nis { dimension, count, sum }| (dimension, count, sum));
     let outcome = RunOutcome { errors, nis, time_per_step_ns: driven.time_per_step_ns };
     let warnings = driven.warnings.iter().map(|warning| format!("{}: {warning}", contender.name)).collect();
     Ok((Entered { outcome: Some(outcome), warnings, ranges: RangeRecord::default() }, path))
+}
+
+impl Entered {
+    /// A run that the method failed.
+    fn failed(why: String) -> Self {
+        Self { outcome: None, warnings: vec![why], ranges: RangeRecord::default() }
+    }
+}
+
+/// Errors of the solutions, and their path laid over the truth where they have one.
+fn judge(
+    trial: &Trial,
+    solutions: &[Solution],
+    stamps: Stamps,
+    options: &RunOptions,
+) -> Result<(RunErrors, Option<Trajectory>)> {
+    let (truth, errors) = match stamps {
+        Stamps::Solutions => (trial.path()?, run_errors(solutions, &trial.truth, options)?),
+        Stamps::Truth => {
+            let truth = trial.path()?;
+            let errors = run_errors_at_truth(solutions, &truth, trial.marked.as_deref(), options)?;
+            (truth, errors)
+        }
+        Stamps::End => return Ok((loop_error(solutions)?, Some(trajectory(solutions)?))),
+    };
+    if !options.positions {
+        return Ok((errors, None));
+    }
+    let motion = run_motion(solutions, &truth, options)?;
+    Ok((errors, Some(motion.trajectory(&trajectory(solutions)?)?)))
 }
 
 struct Driven {
@@ -72,11 +108,18 @@ fn drive<S: MethodSettings>(
     if let Some(radio) = site {
         settings = settings.at_site(radio);
     }
-    let judged = contender.nlos.as_ref().map(|model| JudgedRanges::of(model, &trial.observations));
-    let observations = judged.as_deref().unwrap_or(&trial.observations);
-    let samples = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
+    let heard = contender.only.as_ref().map(|only| {
+        let wanted = trial.observations.iter().filter(|o| only.contains(&o.kind()));
+        wanted.cloned().collect::<Vec<Observation>>()
+    });
+    let observations = heard.as_deref().unwrap_or(&trial.observations);
+    let judged = contender.nlos.as_ref().map(|model| JudgedRanges::of(model, observations));
+    let observations = judged.as_deref().unwrap_or(observations);
+    // Of a log without an inertial sensor, whatever it has.
+    let inertial = observations.iter().filter(|o| matches!(o, Observation::Imu(_))).count();
+    let samples = if inertial > 0 { inertial } else { observations.len() };
     if samples == 0 {
-        bail!("no inertial samples, expected some");
+        bail!("no observations, expected some");
     }
     let mut method = settings.start()?;
     let mut solutions = Vec::with_capacity(samples);

@@ -206,6 +206,9 @@ fn write_sidecar(sidecar: &Sidecar, log: &Path) -> Result<PathBuf> {
     if let Some(start) = &sidecar.start {
         edit.set_start(start);
     }
+    if let Some(location) = sidecar.mounting.location {
+        edit.set_location(location);
+    }
     if let Some(declination_deg) = sidecar.frame.magnetic_declination_deg {
         edit.set_declination_deg(declination_deg);
     }

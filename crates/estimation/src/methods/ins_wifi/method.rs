@@ -83,7 +83,7 @@ impl<M: Mechanisation<N>, const N: usize> Method for InsWifi<M, N> {
 }
 
 impl InsWifiParams {
-    fn knowing(mut self, known: &Known) -> Self {
+    pub(crate) fn knowing(mut self, known: &Known) -> Self {
         self.noise = known.specification.unwrap_or(self.noise);
         self.site = known.site.or(self.site);
         self.start = known.start.or(self.start);

@@ -21,7 +21,7 @@ pub mod course;
 mod fixes;
 mod method;
 mod params;
-mod radio;
+pub(crate) mod radio;
 pub mod search;
 pub mod walker;
 

@@ -36,6 +36,21 @@ pub struct Search {
     direction_is_lost: bool,
 }
 
+/// Where somebody stands on the map, by fixes against the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// By how much the way is turned, rad clockwise.
+    pub turn_rad: f64,
+    /// Where its end is, m.
+    pub position_m: Vector2<f64>,
+    /// From the mean of the fixes to there, m.
+    pub lever_m: Vector2<f64>,
+    /// Variance of the turn, rad².
+    pub direction_rad2: f64,
+    /// Variance of the mean of the fixes on each axis, m².
+    pub mean_m2: f64,
+}
+
 impl Search {
     /// A search that is to find the direction anew.
     pub fn anew() -> Self {
@@ -79,19 +94,30 @@ impl Search {
         self.direction_variance(direction_rad2) < FOUND_RAD * FOUND_RAD
     }
 
-    /// The walker of the way as he stands on the map; `direction_rad2` is the variance of the direction without the fixes.
-    pub fn place(&self, way: &Walker, direction_rad2: f64) -> Walker {
+    /// What the fixes tell of somebody who is at `way_m` now; `direction_rad2` is the variance of the direction without the fixes.
+    pub fn found(&self, way_m: &Vector2<f64>, direction_rad2: f64) -> Found {
         // Counter-clockwise in the plane of east and north; headings run clockwise.
         let turn = libm::atan2(self.cross, self.dot + self.known(direction_rad2));
         let (sin, cos) = libm::sincos(turn);
-        let rotation = Matrix2::new(cos, -sin, sin, cos);
-        let lever = rotation * (way.position_m - self.mean_way);
+        let lever_m = Matrix2::new(cos, -sin, sin, cos) * (way_m - self.mean_way);
+        Found {
+            turn_rad: -turn,
+            position_m: self.mean_fix + lever_m,
+            lever_m,
+            direction_rad2: self.direction_variance(direction_rad2),
+            mean_m2: 1.0 / self.weight,
+        }
+    }
+
+    /// The walker of the way as he stands on the map; `direction_rad2` is the variance of the direction without the fixes.
+    pub fn place(&self, way: &Walker, direction_rad2: f64) -> Walker {
+        let Found { turn_rad, position_m, lever_m: lever, direction_rad2: direction, mean_m2: mean } =
+            self.found(&way.position_m, direction_rad2);
         let mut placed = way.clone();
-        placed.position_m = self.mean_fix + lever;
-        placed.offset_rad -= turn;
+        placed.position_m = position_m;
+        placed.offset_rad += turn_rad;
 
         let kept = way.covariance[(FACTOR, FACTOR)];
-        let (direction, mean) = (self.direction_variance(direction_rad2), 1.0 / self.weight);
         let across = Vector2::new(lever.y, -lever.x);
         let along = lever / way.factor;
         let position = Matrix2::identity() * mean

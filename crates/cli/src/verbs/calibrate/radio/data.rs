@@ -7,7 +7,7 @@ use adit_core::nalgebra::{Vector2, Vector3};
 use adit_core::time::Time;
 use adit_estimation::radio::Reading;
 use adit_observation::survey::{self, TransmitterPlace};
-use adit_observation::{DeviceId, Observation, truth};
+use adit_observation::{DeviceId, LogWarning, Observation, truth};
 use adit_tuning::radio::{Site, SurveyedScan};
 use anyhow::{Context, Result, bail, ensure};
 use rand_chacha::ChaCha8Rng;
@@ -33,6 +33,8 @@ pub struct RadioData {
     pub transmitters: Vec<DeviceId>,
     /// The files.
     pub files: Vec<RadioFile>,
+    /// What was odd.
+    pub warnings: Vec<String>,
 }
 
 /// What one file holds.
@@ -51,7 +53,12 @@ pub struct RadioFile {
 impl RadioData {
     /// Reads files, or the logs of folders.
     pub fn read(paths: &[PathBuf]) -> Result<Self> {
-        let mut data = Self { kind: DataKind::Surveys, transmitters: Vec::new(), files: Vec::new() };
+        let mut data = Self {
+            kind: DataKind::Surveys,
+            transmitters: Vec::new(),
+            files: Vec::new(),
+            warnings: Vec::new(),
+        };
         let mut kind = None;
         for path in expand(paths)? {
             interrupt::check()?;
@@ -70,7 +77,12 @@ impl RadioData {
 
     /// Reads one test with the transmitters of another; those it alone has are added at the end.
     pub fn read_like(path: &Path, all: &Self) -> Result<Self> {
-        let mut data = Self { kind: all.kind, transmitters: all.transmitters.clone(), files: Vec::new() };
+        let mut data = Self {
+            kind: all.kind,
+            transmitters: all.transmitters.clone(),
+            files: Vec::new(),
+            warnings: Vec::new(),
+        };
         for path in expand(&[path.to_path_buf()])? {
             let kind = if survey_file(&path)? { DataKind::Surveys } else { DataKind::Walks };
             ensure!(kind == all.kind, "{}: expected the same kind of data as is fitted", path.display());
@@ -88,6 +100,10 @@ impl RadioData {
         Ok(())
     }
 
+    fn odd(&mut self, warnings: &[LogWarning]) {
+        self.warnings.extend(warnings.iter().map(LogWarning::to_string));
+    }
+
     fn number(&mut self, id: &DeviceId) -> usize {
         self.transmitters.iter().position(|known| known == id).unwrap_or_else(|| {
             self.transmitters.push(id.clone());
@@ -97,7 +113,7 @@ impl RadioData {
 
     fn survey(&mut self, path: &Path) -> Result<RadioFile> {
         let survey = survey::read(path)?;
-        progress::warn(&survey.warnings);
+        self.odd(&survey.warnings);
         let numbers: Vec<usize> = survey.transmitters.iter().map(|id| self.number(id)).collect();
         let mut file = RadioFile::new(path);
         for scan in &survey.scans {
@@ -129,7 +145,7 @@ impl RadioData {
             )
         })?;
         let truth = truth::read(&truth_path)?;
-        progress::warn(&truth.warnings);
+        self.odd(&truth.warnings);
         ensure!(truth.has_position, "{}: has no positions", truth_path.display());
         let mut file = RadioFile::new(path);
         for observation in log.by_ref() {
@@ -141,7 +157,7 @@ impl RadioData {
             let (position_m, readings) = (pose.position_m, vec![reading]);
             file.strengths.push(SurveyedScan { position_m, floor: 0, readings, whole: false });
         }
-        progress::warn(log.warnings());
+        self.odd(log.warnings());
         ensure!(
             !file.strengths.is_empty(),
             "{}: no signal strength within the time of {}",

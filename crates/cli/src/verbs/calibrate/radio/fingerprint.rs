@@ -30,13 +30,14 @@ struct Report<'a> {
 }
 
 /// The maps of one set of data.
-struct SiteMaps {
+pub struct SiteMaps {
     strengths: FingerprintFit,
     ranges: Option<FingerprintFit>,
 }
 
 impl SiteMaps {
-    fn new(data: &RadioData, sites: &[Option<Site>]) -> Result<Self> {
+    /// Fits everything.
+    pub fn new(data: &RadioData, sites: &[Option<Site>]) -> Result<Self> {
         let lattice = lattice(data, sites)?;
         let fit =
             |scans: &[_], kind| fingerprint::fit(scans, sites, lattice.clone(), &FingerprintParams::of(kind));
@@ -46,7 +47,8 @@ impl SiteMaps {
         Ok(Self { strengths, ranges })
     }
 
-    fn contestants(&self) -> Vec<Contestant<'_>> {
+    /// The methods that stand on fingerprints.
+    pub fn contestants(&self) -> Vec<Contestant<'_>> {
         let nearest = |name, weighted| {
             let params = NearestParams { weighted, ..NearestParams::default() };
             let fix = move |readings: &[Reading]| self.strengths.fingerprints.nearest(readings, &params);
@@ -68,7 +70,8 @@ impl SiteMaps {
         all
     }
 
-    fn followers(&self, data: &RadioData) -> Vec<Follower<'_>> {
+    /// The methods that follow a walk.
+    pub fn followers(&self, data: &RadioData) -> Vec<Follower<'_>> {
         let map = &self.strengths.map;
         if !walks(data) {
             return Vec::new();
@@ -97,16 +100,7 @@ pub fn run(args: &CalibrateFingerprintArgs) -> Result<()> {
     }
     let tables = tables(&results);
     let maps = SiteMaps::new(&all, &sites)?;
-    let file = FingerprintModel {
-        kind: ModelKind::Fingerprint,
-        version: VERSION,
-        transmitters: all.transmitters.clone(),
-        strengths: maps.strengths.map.clone(),
-        ranges: maps.ranges.as_ref().map(|ranges| ranges.map.clone()),
-        belief: maps.strengths.belief,
-        range_belief: maps.ranges.as_ref().map(|ranges| ranges.belief),
-        fingerprints: maps.strengths.fingerprints.clone(),
-    };
+    let file = model(&all, &maps);
     let text = serde_json::to_string(&file)? + "\n";
     let said = if args.radio.json {
         let lattice = maps.strengths.map.lattice();
@@ -126,6 +120,20 @@ pub fn run(args: &CalibrateFingerprintArgs) -> Result<()> {
         table(&all, &maps, &tables)?
     };
     deliver(&args.out, &text, &said)
+}
+
+/// What the file holds.
+pub fn model(all: &RadioData, maps: &SiteMaps) -> FingerprintModel {
+    FingerprintModel {
+        kind: ModelKind::Fingerprint,
+        version: VERSION,
+        transmitters: all.transmitters.clone(),
+        strengths: maps.strengths.map.clone(),
+        ranges: maps.ranges.as_ref().map(|ranges| ranges.map.clone()),
+        belief: maps.strengths.belief,
+        range_belief: maps.ranges.as_ref().map(|ranges| ranges.belief),
+        fingerprints: maps.strengths.fingerprints.clone(),
+    }
 }
 
 fn table(all: &RadioData, maps: &SiteMaps, tables: &[Table]) -> Result<String> {

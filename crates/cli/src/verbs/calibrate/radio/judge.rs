@@ -35,6 +35,11 @@ impl Judged {
         self.errors_m.push(error);
     }
 
+    /// How far its fixes are from the truth, m.
+    pub fn errors_m(&self) -> &[f64] {
+        &self.errors_m
+    }
+
     /// All of another.
     pub fn add(&mut self, other: &Self) {
         self.errors_m.extend(&other.errors_m);

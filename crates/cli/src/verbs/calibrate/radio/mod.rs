@@ -9,8 +9,12 @@ pub mod pathloss;
 
 use crate::args::{LeaveOut, RadioArgs};
 use crate::output::{self, Target};
+use crate::progress;
+use adit_estimation::radio::model::{FingerprintModel, PathLossModel};
+use adit_observation::survey::TransmitterPlace;
 use anyhow::Result;
 use data::{DataKind, RadioData};
+use std::path::{Path, PathBuf};
 
 /// One part to be judged on and the other to fit.
 struct Trial<'a> {
@@ -47,8 +51,68 @@ fn trials<'a>(args: &RadioArgs, all: &RadioData, tests: Vec<RadioData>) -> Resul
 /// Reads what to fit and what to judge on, with the same transmitters.
 fn read(args: &RadioArgs) -> Result<(RadioData, Vec<RadioData>)> {
     let all = RadioData::read(&args.data)?;
-    let tests = args.evaluate.iter().map(|path| RadioData::read_like(path, &all));
+    progress::warn(&all.warnings);
+    let tests = args.evaluate.iter().map(|path| {
+        let test = RadioData::read_like(path, &all)?;
+        progress::warn(&test.warnings);
+        Ok(test)
+    });
     Ok((all.clone(), tests.collect::<Result<_>>()?))
+}
+
+/// The path loss of the transmitters of logs with truth, whose places are those of a list.
+pub fn path_loss_of(logs: &[PathBuf], places: &[TransmitterPlace], list: &Path) -> Result<PathLossModel> {
+    let data = RadioData::read(logs)?;
+    let sites = data::sites(&data, places, list)?;
+    Ok(pathloss::model(&data, &models::SiteModels::new(&data, &sites)?))
+}
+
+/// A radio map of logs with truth.
+pub fn fingerprints_of(
+    logs: &[PathBuf],
+    places: &[TransmitterPlace],
+    list: &Path,
+) -> Result<FingerprintModel> {
+    let data = RadioData::read(logs)?;
+    let sites = data::sites(&data, places, list)?;
+    Ok(fingerprint::model(&data, &fingerprint::SiteMaps::new(&data, &sites)?))
+}
+
+/// What of a survey is judged.
+#[derive(Debug, Clone, Copy)]
+pub enum JudgedSpots<'a> {
+    /// Those of another file.
+    Of(&'a Path),
+    /// A share of its spots, drawn by this seed, which nothing is fitted to.
+    LeftOut(f64, u64),
+}
+
+/// How far the fixes of every locator are off, m.
+pub struct SpotErrors {
+    /// By name.
+    pub locators: Vec<(&'static str, Vec<f64>)>,
+    /// What was odd.
+    pub warnings: Vec<String>,
+}
+
+/// Every locator on scans at known spots, fitted to the others.
+pub fn judge_survey(survey: &Path, list: &Path, judged: JudgedSpots<'_>) -> Result<SpotErrors> {
+    let all = RadioData::read(&[survey.to_path_buf()])?;
+    let (train, test) = match judged {
+        JudgedSpots::Of(test) => {
+            let test = RadioData::read_like(test, &all)?;
+            (all, test)
+        }
+        JudgedSpots::LeftOut(share, seed) => all.split_by_spot(share, seed)?,
+    };
+    let sites = data::sites(&train, &data::places(list)?, list)?;
+    let models = models::SiteModels::new(&train, &sites)?;
+    let maps = fingerprint::SiteMaps::new(&train, &sites)?;
+    let mut judged = contest::run(&test, &models.contestants(), &models.followers(&test));
+    judged.extend(contest::run(&test, &maps.contestants(), &maps.followers(&test)));
+    let locators = judged.iter().map(|one| (one.method, one.errors_m().to_vec())).collect();
+    let warnings = train.warnings.iter().chain(&test.warnings).cloned().collect();
+    Ok(SpotErrors { locators, warnings })
 }
 
 /// Writes the file, then the report: to stderr where stdout has the file.

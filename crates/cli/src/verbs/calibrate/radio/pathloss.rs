@@ -41,7 +41,7 @@ pub fn run(args: &CalibratePathlossArgs) -> Result<()> {
     }
     let tables = tables(&results);
     let models = SiteModels::new(&all, &sites)?;
-    let file = file(&all, &models);
+    let file = model(&all, &models);
     let text = format!(
         "# adit calibrate pathloss {}\n# [[access_points]] are those of a mine file.\n{}",
         all.name(),
@@ -62,7 +62,8 @@ pub fn run(args: &CalibratePathlossArgs) -> Result<()> {
     deliver(&args.out, &text, &said)
 }
 
-fn file(all: &RadioData, models: &SiteModels) -> PathLossModel {
+/// What the file holds.
+pub fn model(all: &RadioData, models: &SiteModels) -> PathLossModel {
     let fit = &models.fit;
     let access_point =
         |(id, emitter): (&adit_observation::DeviceId, &Option<adit_estimation::radio::Emitter>)| {

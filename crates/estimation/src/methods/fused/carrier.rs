@@ -1,0 +1,116 @@
+//! What carries the estimate from moment to moment: dead reckoning by what the tag itself feels.
+
+use super::params::FusedParams;
+use crate::methods::foot_ins::FootIns;
+use crate::methods::marg_ins::MargIns;
+use crate::methods::pdr::{Direction, Pdr};
+use crate::methods::{Method, MethodError};
+use crate::place::params::CarrierNoise;
+use adit_core::solution::Solution;
+use adit_observation::Observation;
+use alloc::boxed::Box;
+use serde::{Deserialize, Serialize};
+
+/// Dead reckoning of one kind.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub enum Carrier {
+    /// Strapdown on the foot, held by zero velocity.
+    Foot(Box<FootIns>),
+    /// The same with the heading of a magnetometer.
+    Marg(Box<MargIns>),
+    /// Steps, their length and direction.
+    Steps(Box<Pdr>),
+}
+
+/// Which, before it is started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CarrierKind {
+    /// [`Carrier::Foot`].
+    Foot,
+    /// [`Carrier::Marg`].
+    Marg,
+    /// [`Carrier::Steps`].
+    Steps,
+}
+
+impl Carrier {
+    /// Started by the settings.
+    pub fn new(kind: CarrierKind, params: &FusedParams) -> Result<Self, MethodError> {
+        Ok(match kind {
+            CarrierKind::Foot => Self::Foot(Box::new(FootIns::new(params.foot.clone())?)),
+            CarrierKind::Marg => Self::Marg(Box::new(MargIns::new(params.marg.clone())?)),
+            CarrierKind::Steps => {
+                let mut steps = params.steps.clone();
+                steps.fixes.used = false;
+                steps.radio.used = false;
+                steps.site = None;
+                Self::Steps(Box::new(Pdr::new(steps)?))
+            }
+        })
+    }
+
+    /// How it errs.
+    pub fn noise(&self, params: &FusedParams) -> CarrierNoise {
+        match self {
+            Self::Foot(_) | Self::Marg(_) => params.foot_noise,
+            Self::Steps(_) => params.steps_noise,
+        }
+    }
+
+    /// Whether it stands on the map from the start: one that was told a start pose.
+    pub fn starts_on_map(&self, params: &FusedParams) -> bool {
+        matches!(self, Self::Steps(_)) && params.steps.start.is_some()
+    }
+
+    /// Whether its forward direction is that of the wearer, so that a magnetometer tells where north is.
+    pub fn is_mounted(&self, params: &FusedParams) -> bool {
+        match self {
+            Self::Foot(_) | Self::Marg(_) => true,
+            Self::Steps(_) => params.steps.direction == Direction::Mounted,
+        }
+    }
+
+    /// Whether north is that of a magnetometer.
+    pub fn is_magnetic(&self) -> bool {
+        match self {
+            Self::Foot(foot) => foot.report().magnetic_heading,
+            Self::Marg(marg) => marg.report().magnetic_heading,
+            Self::Steps(steps) => steps.report().magnetic_heading,
+        }
+    }
+
+    /// Whether that magnetometer goes on holding the heading.
+    pub fn is_held_magnetic(&self) -> bool {
+        !matches!(self, Self::Foot(_)) && self.is_magnetic()
+    }
+
+    /// One observation in, at most one solution out.
+    #[inline]
+    pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
+        match self {
+            Self::Foot(foot) => foot.observe(observation),
+            Self::Marg(marg) => marg.observe(observation),
+            Self::Steps(steps) => steps.observe(observation),
+        }
+    }
+
+    /// A further solution that is due, if any.
+    #[inline]
+    pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
+        match self {
+            Self::Foot(foot) => foot.next_due(),
+            Self::Marg(marg) => marg.next_due(),
+            Self::Steps(steps) => Ok(steps.next_due()),
+        }
+    }
+
+    /// After the last observation: the solutions still due, one at a time, then `None`.
+    pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
+        match self {
+            Self::Foot(foot) => foot.finish_next(),
+            Self::Marg(marg) => marg.finish_next(),
+            Self::Steps(steps) => steps.finish_next(),
+        }
+    }
+}

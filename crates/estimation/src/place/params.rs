@@ -1,0 +1,173 @@
+//! Settings of the place filter: what is true of every carrier, and how each errs.
+
+use crate::methods::NoiseParameter;
+use crate::settings::{first_unusable, not_negative, positive};
+use serde::{Deserialize, Serialize};
+
+/// Settings of what is beside the carrier.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlaceParams {
+    /// A measurement whose normalised innovation squared exceeds this, for each of its dimensions, pulls no more than one at it.
+    pub nis_bound: f64,
+    /// Error of a clear range that passes, standard deviation, m (walls and people near the path).
+    pub passing_sigma_m: f64,
+    /// Time over which it passes, s.
+    pub passing_s: f64,
+    /// Time over which what is in the way of a range errs the same, s.
+    pub blocked_s: f64,
+    /// What all ranges read too long, standard deviation, m.
+    pub common_offset_sigma_m: f64,
+    /// By how much ranges are stamped late, standard deviation, s.
+    pub clock_sigma_s: f64,
+    /// By how much a tag hears every signal too strong, standard deviation, dB.
+    pub hearing_sigma_db: f64,
+    /// Height of a tag above the floor, m.
+    pub above_floor_m: f64,
+    /// The same, standard deviation, m.
+    pub above_floor_sigma_m: f64,
+    /// Height by the barometer, standard deviation of a reading, m.
+    pub barometer_sigma_m: f64,
+    /// Random walk of the air pressure as a height, m/√s.
+    pub weather_m_sqrt_s: f64,
+    /// Speed of somebody who rides, standard deviation, m/s.
+    pub ride_m_s: f64,
+    /// A place that is less sure than this, standard deviation, m, is moved by a position of the ranges of an epoch, not by each of them: spheres are not planes.
+    pub unsure_m: f64,
+    /// Radius from which on the walker is lost, m.
+    pub lost_m: f64,
+}
+
+/// How dead reckoning of a carrier errs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CarrierNoise {
+    /// White error along the way, m/√m walked.
+    pub along_m_sqrt_m: f64,
+    /// White error across it, m/√m walked.
+    pub across_m_sqrt_m: f64,
+    /// White error upwards, m/√m walked.
+    pub up_m_sqrt_m: f64,
+    /// Who does not walk still shifts about: m/√s.
+    pub standing_m_sqrt_s: f64,
+    /// Direction of the carrier's frame where it is declared, standard deviation, rad.
+    pub turn_sigma_rad: f64,
+    /// Random walk of it, rad/√m walked.
+    pub turn_walk_rad_sqrt_m: f64,
+    /// Random walk of the heading beside what the carrier tells, rad/√s.
+    pub heading_walk_rad_sqrt_s: f64,
+    /// Drift of the heading, standard deviation, rad/s.
+    pub drift_sigma_rad_s: f64,
+    /// Time over which the heading of a magnetometer is off in the same way, s.
+    pub magnetic_s: f64,
+    /// Factor of the lengths, standard deviation about 1 at the start.
+    pub factor_sigma: f64,
+    /// Its random walk, per √m walked.
+    pub factor_walk_sqrt_m: f64,
+}
+
+impl Default for PlaceParams {
+    fn default() -> Self {
+        Self {
+            // χ² of one degree of freedom: exceeded by 1 of 400 good ones.
+            nis_bound: 9.0,
+            passing_sigma_m: 0.07,
+            passing_s: 0.7,
+            blocked_s: 1.0,
+            common_offset_sigma_m: 0.05,
+            clock_sigma_s: 0.05,
+            hearing_sigma_db: 6.0,
+            above_floor_m: 1.0,
+            above_floor_sigma_m: 0.3,
+            barometer_sigma_m: 0.3,
+            weather_m_sqrt_s: 0.05,
+            ride_m_s: 3.0,
+            unsure_m: 2.0,
+            lost_m: 200.0,
+        }
+    }
+}
+
+impl CarrierNoise {
+    /// Of a strapdown on the foot, held by zero velocity.
+    pub const FOOT: Self = Self {
+        along_m_sqrt_m: 0.02,
+        across_m_sqrt_m: 0.02,
+        up_m_sqrt_m: 0.02,
+        standing_m_sqrt_s: 0.001,
+        turn_sigma_rad: 0.05,
+        turn_walk_rad_sqrt_m: 0.0005,
+        heading_walk_rad_sqrt_s: 2e-4,
+        drift_sigma_rad_s: 1e-4,
+        magnetic_s: 30.0,
+        factor_sigma: 0.01,
+        factor_walk_sqrt_m: 1e-4,
+    };
+    /// Of steps counted on the body.
+    pub const STEPS: Self = Self {
+        along_m_sqrt_m: 0.067,
+        across_m_sqrt_m: 0.06,
+        up_m_sqrt_m: 0.1,
+        standing_m_sqrt_s: 0.05,
+        turn_sigma_rad: 0.17,
+        turn_walk_rad_sqrt_m: 0.005,
+        heading_walk_rad_sqrt_s: 1e-4,
+        drift_sigma_rad_s: 0.0,
+        magnetic_s: 30.0,
+        factor_sigma: 0.12,
+        factor_walk_sqrt_m: 0.003,
+    };
+
+    /// What tuning may search.
+    pub const NOISE: [NoiseParameter; 4] = [
+        NoiseParameter::new("steps_noise.along_m_sqrt_m", 1e-3, 0.5),
+        NoiseParameter::new("steps_noise.across_m_sqrt_m", 1e-3, 0.5),
+        NoiseParameter::new("place.blocked_s", 0.1, 60.0),
+        NoiseParameter::new("ranges.nlos_sigma_m", 0.1, 20.0),
+    ];
+
+    /// The first setting that cannot be worked with, by name.
+    pub(crate) fn unusable(&self) -> Option<&'static str> {
+        first_unusable(&[
+            ("noise.along_m_sqrt_m", not_negative(self.along_m_sqrt_m)),
+            ("noise.across_m_sqrt_m", not_negative(self.across_m_sqrt_m)),
+            ("noise.up_m_sqrt_m", not_negative(self.up_m_sqrt_m)),
+            ("noise.standing_m_sqrt_s", not_negative(self.standing_m_sqrt_s)),
+            ("noise.turn_sigma_rad", not_negative(self.turn_sigma_rad)),
+            ("noise.turn_walk_rad_sqrt_m", not_negative(self.turn_walk_rad_sqrt_m)),
+            ("noise.heading_walk_rad_sqrt_s", not_negative(self.heading_walk_rad_sqrt_s)),
+            ("noise.drift_sigma_rad_s", not_negative(self.drift_sigma_rad_s)),
+            ("noise.magnetic_s", positive(self.magnetic_s)),
+            ("noise.factor_sigma", not_negative(self.factor_sigma) && self.factor_sigma <= 0.5),
+            ("noise.factor_walk_sqrt_m", not_negative(self.factor_walk_sqrt_m)),
+        ])
+    }
+}
+
+impl Default for CarrierNoise {
+    fn default() -> Self {
+        Self::STEPS
+    }
+}
+
+impl PlaceParams {
+    /// The first setting that cannot be worked with, by name.
+    pub(crate) fn unusable(&self) -> Option<&'static str> {
+        first_unusable(&[
+            ("place.nis_bound", positive(self.nis_bound)),
+            ("place.passing_sigma_m", not_negative(self.passing_sigma_m)),
+            ("place.passing_s", positive(self.passing_s)),
+            ("place.blocked_s", positive(self.blocked_s)),
+            ("place.common_offset_sigma_m", not_negative(self.common_offset_sigma_m)),
+            ("place.clock_sigma_s", not_negative(self.clock_sigma_s)),
+            ("place.hearing_sigma_db", not_negative(self.hearing_sigma_db)),
+            ("place.above_floor_m", self.above_floor_m.is_finite()),
+            ("place.above_floor_sigma_m", positive(self.above_floor_sigma_m)),
+            ("place.barometer_sigma_m", positive(self.barometer_sigma_m)),
+            ("place.weather_m_sqrt_s", not_negative(self.weather_m_sqrt_s)),
+            ("place.ride_m_s", not_negative(self.ride_m_s)),
+            ("place.unsure_m", positive(self.unsure_m)),
+            ("place.lost_m", positive(self.lost_m)),
+        ])
+    }
+}
