@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Logarithm of the weight below which a hypothesis is dropped.
 const DROPPED: f64 = -12.0;
 /// What somebody off the map weighs at first where the map fits badly, as a logarithm.
-const OFF_SHARE: f64 = -3.0;
+pub(super) const OFF_SHARE: f64 = -3.0;
 /// Square over what is to be expected from which a start fits badly.
 const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
