@@ -149,6 +149,8 @@ pub enum MethodWarning {
         /// Epochs of ranges.
         epochs: u64,
     },
+    /// Nothing smooths what carries this log: the solutions are those of a stream.
+    NotSmoothed,
     /// A field that was refused proved right: the heading was off, and so is the path until then.
     HeadingOpened {
         /// When it was found out.
@@ -194,6 +196,9 @@ impl MethodWarning {
             ),
             Self::Unjudged { epochs } => alloc::format!(
                 "nothing tells whether the ranges of {epochs} epochs came straight: all were believed (--nlos judges them)"
+            ),
+            Self::NotSmoothed => String::from(
+                "nothing smooths what this log is of (it has no dead reckoning that is held by a map, and no foot without a magnetometer): the solutions are those of a stream",
             ),
             Self::HeadingOpened { time, offset_deg } => alloc::format!(
                 "the heading was off by about {offset_deg:.0}° until {time} s, when the magnetic field proved right: the path before is turned"

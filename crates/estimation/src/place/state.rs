@@ -15,11 +15,11 @@
 //!
 //! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
 
+use super::motion::Motion;
 use crate::kalman::dense::propagate;
 use crate::radio::Emitter;
 use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use core::f64::consts::FRAC_1_SQRT_2;
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
@@ -49,12 +49,6 @@ pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
-/// Standard deviations up to which the tail of the normal distribution has digits.
-const FAR: f64 = 30.0;
-/// √2π.
-const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
-/// Cosine of the angle between a way and a roadway up to which it is a way along it: 45°.
-const ALONG: f64 = 0.707;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
@@ -86,6 +80,30 @@ pub struct Stretch {
     pub factor2: f64,
     /// Random walk of the barometer's offset, m².
     pub barometer_m2: f64,
+}
+
+impl Stretch {
+    /// No way and no time, in which the barometer's offset jumps by a step of this variance, m².
+    pub fn jump(barometer_m2: f64) -> Self {
+        Self {
+            way_m: Vector3::zeros(),
+            interval_s: 0.0,
+            along_m2: 0.0,
+            across_m2: 0.0,
+            up_m2: 0.0,
+            about_m2: 0.0,
+            heading: HeadingError::Gyro { walk_rad2: 0.0 },
+            turn_rad2: 0.0,
+            factor2: 0.0,
+            barometer_m2,
+        }
+    }
+
+    /// The same way walked back: random walks and what a magnetometer errs are the same in both directions of time.
+    #[must_use]
+    pub fn back(self) -> Self {
+        Self { way_m: -self.way_m, interval_s: -self.interval_s, ..self }
+    }
 }
 
 /// How the error of a carrier's heading goes on over a stretch.
@@ -150,6 +168,8 @@ pub struct State {
     pub position_m: Vector3<f64>,
     /// ψ + η, rad clockwise.
     pub turn_rad: f64,
+    /// The part of it that is η, rad: what drifted, and what corrections gave to it.
+    pub heading_rad: f64,
     /// ρ, rad/s.
     pub drift_rad_s: f64,
     /// κ.
@@ -172,6 +192,7 @@ impl State {
         Self {
             position_m: Vector3::zeros(),
             turn_rad: 0.0,
+            heading_rad: 0.0,
             drift_rad_s: 0.0,
             factor: 1.0,
             barometer_m: 0.0,
@@ -204,47 +225,14 @@ impl State {
     /// Taken at the estimated direction, an error of the heading would make the length of the way seem to be seen across the roadway; and always too short, for what zigzags
     /// fits better when it shrinks (an inconsistent linearisation as in Huang, Mourikis & Roumeliotis 2010).
     pub fn walk_along(&mut self, stretch: &Stretch, roadway: Option<&Vector2<f64>>) -> Vector3<f64> {
-        let walked = self.on_map(&stretch.way_m);
-        self.position_m += walked;
-        let length_m = walked.xy().norm();
-        let on_roadway = roadway.map(|direction| (direction, direction.dot(&walked.xy())));
-        let level = match on_roadway {
-            Some((direction, along_m)) if along_m.abs() > ALONG * length_m => {
-                direction * libm::copysign(length_m, along_m)
-            }
-            _ => walked.xy(),
-        };
-        let (turned, stretched) = (Vector2::new(level.y, -level.x), level / self.factor);
-        let (dt, kept, drifts) = match stretch.heading {
-            HeadingError::Gyro { .. } => (stretch.interval_s, 1.0, 1.0),
-            HeadingError::Magnetic { kept, .. } => (0.0, kept, 0.0),
-        };
-        self.turn_rad += self.drift_rad_s * dt * drifts;
-        propagate(&mut self.covariance, |error| {
-            let angle = error[TURN] + error[HEADING];
-            let mut carried = *error;
-            carried[EAST] += stretched.x * error[FACTOR] + turned.x * angle;
-            carried[NORTH] += stretched.y * error[FACTOR] + turned.y * angle;
-            carried[HEADING] = error[HEADING] * kept + error[DRIFT] * dt;
-            carried
-        });
-        if length_m > 0.0 {
-            let (along, across) = (level / length_m, turned / length_m);
-            let white = along * along.transpose() * stretch.along_m2
-                + across * across.transpose() * stretch.across_m2;
-            self.spread(&white);
-        }
-        self.spread(&(Matrix2::identity() * stretch.about_m2));
-        let p = &mut self.covariance;
-        p[(UP, UP)] += stretch.up_m2;
-        p[(TURN, TURN)] += stretch.turn_rad2;
-        p[(FACTOR, FACTOR)] += stretch.factor2;
-        p[(BAROMETER, BAROMETER)] += stretch.barometer_m2;
-        p[(HEADING, HEADING)] += match stretch.heading {
-            HeadingError::Gyro { walk_rad2 } => walk_rad2,
-            HeadingError::Magnetic { variance_rad2, kept } => variance_rad2 * (1.0 - kept * kept),
-        };
-        walked
+        let motion = Motion::new(self, stretch, roadway);
+        let turned_rad = self.drift_rad_s * motion.drifting_s();
+        self.position_m += motion.walked_m;
+        self.turn_rad += turned_rad;
+        self.heading_rad += turned_rad;
+        propagate(&mut self.covariance, |error| motion.carry(error));
+        motion.spread(&mut self.covariance);
+        motion.walked_m
     }
 
     /// Adds to the covariance of the level position, m².
@@ -395,34 +383,6 @@ impl State {
         Some(Taken { nis, log_likelihood, widened })
     }
 
-    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
-    /// (Simon & Simon 2010, for one bound): `μ − σλ`, `σ² (1 − λ(λ − β))`, `λ = φ(β)/Φ(−β)`, β how many σ the mean lies beyond. Gives β and `ln Φ(−β)`. Nothing is corrected
-    /// where β exceeds `most`; `None` when nothing is known of the position.
-    pub fn keep_within(
-        &mut self,
-        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
-        limit_m: f64,
-        most: f64,
-    ) -> Option<(f64, f64)> {
-        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
-        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
-        let sigma = libm::sqrt(variance);
-        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
-        if !beyond.is_finite() {
-            return None;
-        }
-        let within = 0.5 * libm::erfc(beyond * FRAC_1_SQRT_2);
-        if beyond > most.min(FAR) {
-            return Some((beyond, libm::log(within.max(f64::MIN_POSITIVE))));
-        }
-        let ratio = libm::exp(-0.5 * beyond * beyond) / (SQRT_TAU * within);
-        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
-        self.covariance -= cross * cross.transpose() * (lost / variance);
-        symmetrise(&mut self.covariance);
-        self.feed_back(&(cross * (-ratio / sigma)));
-        Some((beyond, libm::log(within)))
-    }
-
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.
     pub fn judge<const M: usize>(&self, seen: &Seen<M>) -> Option<(f64, f64)> {
         let innovation = seen.jacobian * self.covariance * seen.jacobian.transpose() + seen.noise;
@@ -432,9 +392,11 @@ impl State {
         Some((nis, -log_root - 0.5 * (DOF + M as f64) * libm::log1p(nis / DOF)))
     }
 
-    fn feed_back(&mut self, correction: &Vector) {
+    /// Adds a correction of the error; the covariance stays.
+    pub(super) fn feed_back(&mut self, correction: &Vector) {
         self.position_m += correction.fixed_rows::<3>(EAST);
         self.turn_rad += correction[TURN] + correction[HEADING];
+        self.heading_rad += correction[HEADING];
         self.drift_rad_s += correction[DRIFT];
         self.factor = (self.factor + correction[FACTOR]).clamp(FACTORS.0, FACTORS.1);
         self.barometer_m += correction[BAROMETER];
@@ -443,27 +405,39 @@ impl State {
         self.hearing_db += correction[HEARING];
     }
 
-    /// The two moments of a mixture of this state and another, which has this share of it.
-    pub fn join(&mut self, other: &Self, share: f64) {
-        let p = &self.covariance;
-        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
-        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
-        let of_turn =
-            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
-        let apart_m = other.position_m - self.position_m;
-        let mut apart = Vector::zeros();
-        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
-        apart[TURN] = of_turn;
-        apart[HEADING] = turned - of_turn;
-        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
-        apart[FACTOR] = other.factor - self.factor;
-        apart[BAROMETER] = other.barometer_m - self.barometer_m;
-        apart[COMMON] = other.common_m - self.common_m;
-        self.covariance = self.covariance * (1.0 - share)
-            + other.covariance * share
-            + apart * apart.transpose() * (share * (1.0 - share));
-        symmetrise(&mut self.covariance);
-        self.feed_back(&(apart * share));
+    /// The estimate as one vector, in the order of the error.
+    pub(super) fn mean(&self) -> Vector {
+        let p = &self.position_m;
+        let turn_rad = self.turn_rad - self.heading_rad;
+        Vector::from([
+            p.x,
+            p.y,
+            p.z,
+            turn_rad,
+            self.heading_rad,
+            self.drift_rad_s,
+            self.factor,
+            self.barometer_m,
+            self.common_m,
+            self.clock_s,
+            self.hearing_db,
+        ])
+    }
+
+    /// The state of such a vector.
+    pub(super) fn of_mean(mean: &Vector, covariance: Covariance) -> Self {
+        Self {
+            position_m: mean.fixed_rows::<3>(EAST).into_owned(),
+            turn_rad: mean[TURN] + mean[HEADING],
+            heading_rad: mean[HEADING],
+            drift_rad_s: mean[DRIFT],
+            factor: mean[FACTOR],
+            barometer_m: mean[BAROMETER],
+            common_m: mean[COMMON],
+            clock_s: mean[CLOCK],
+            hearing_db: mean[HEARING],
+            covariance,
+        }
     }
 
     /// Nothing is known of a state but this variance: its error is that of nothing else.
@@ -497,7 +471,7 @@ impl State {
 const DOF: f64 = 4.0;
 
 /// Rounding leaves the halves a bit apart, and what is apart grows.
-fn symmetrise(matrix: &mut Covariance) {
+pub(super) fn symmetrise(matrix: &mut Covariance) {
     for column in 0..STATES {
         for row in 0..column {
             let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);

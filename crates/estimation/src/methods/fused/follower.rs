@@ -35,7 +35,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The place filter moves no more often: what a carrier does within is a straight line to it.
-const TICK: Interval = Interval::from_nanos(95_000_000);
+pub(super) const TICK: Interval = Interval::from_nanos(95_000_000);
 /// Height of a tag on a foot above the floor, m.
 const FOOT_M: f64 = 0.1;
 /// A height that is known is known to this, m.
@@ -74,9 +74,9 @@ pub struct Follower {
     pub(super) walked: Option<Walked>,
     /// Until when observations hold the place.
     pub(super) held_until: Option<Time>,
+    /// And until when ranges do.
+    pub(super) ranged_until: Option<Time>,
     pub(super) outliers: u32,
-    /// Until when somebody who does not walk is taken to ride.
-    pub(super) rides_until: Option<Time>,
     pub(super) pressure_pa: Option<f64>,
     /// The last height by the barometer that was taken, m.
     pub(super) height: Option<(Time, f64)>,
@@ -86,9 +86,18 @@ pub struct Follower {
 /// Where the bank has come to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Walked {
-    time: Time,
-    way_m: Vector3<f64>,
+    /// When.
+    pub time: Time,
+    /// The carrier's place in its own frame, m.
+    pub way_m: Vector3<f64>,
     heading_rad2: f64,
+}
+
+impl Walked {
+    /// At a solution of the carrier.
+    pub fn of(now: &Solution) -> Self {
+        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)] }
+    }
 }
 
 impl Follower {
@@ -102,7 +111,10 @@ impl Follower {
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::new(bank_params(params, carrier), site.and_then(|site| site.roadways.clone())),
+            bank: Bank::new(
+                bank_params(params, carrier),
+                site.filter(|_| params.place.roadways).and_then(|site| site.roadways.clone()),
+            ),
             estimate: None,
             search: None,
             searched: None,
@@ -121,8 +133,8 @@ impl Follower {
             reckoned: None,
             walked: None,
             held_until: None,
+            ranged_until: None,
             outliers: 0,
-            rides_until: None,
             pressure_pa: None,
             height: None,
             told: None,
@@ -130,7 +142,7 @@ impl Follower {
     }
 
     /// Whether there is anything that could ever place the walker on a map.
-    fn has_map(&self) -> bool {
+    pub(super) fn has_map(&self) -> bool {
         self.start.is_some() || self.ranges.is_some() || self.radio.is_some() || !self.readers.is_empty()
     }
 
@@ -259,12 +271,17 @@ impl Follower {
     /// The bank moves along the carrier's way to its last solution.
     fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let heading_rad2 = now.covariance[(8, 8)];
-        let to = Walked { time: now.time, way_m: now.position_m, heading_rad2 };
+        let to = Walked::of(now);
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;
         }
+        let stretch = self.stretch(carrier, &from, &to);
+        self.bank.walk(&stretch);
+    }
+
+    /// The carrier's way between two places, and how it errs.
+    pub(super) fn stretch(&self, carrier: &Carrier, from: &Walked, to: &Walked) -> Stretch {
         let (way_m, interval_s) = (to.way_m - from.way_m, (to.time - from.time).seconds());
         let (noise, length_m) = (&self.noise, way_m.xy().norm());
         let walk = |sigma: f64| sigma * sigma * length_m;
@@ -272,15 +289,14 @@ impl Follower {
         let heading = if carrier.is_held_magnetic() {
             let kept = libm::exp(-interval_s / noise.magnetic_s);
             let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
-            HeadingError::Magnetic { variance_rad2: heading_rad2.max(least_rad2), kept }
+            HeadingError::Magnetic { variance_rad2: to.heading_rad2.max(least_rad2), kept }
         } else {
             let grown = (to.heading_rad2 - from.heading_rad2).max(0.0);
             HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
-        let rides = self.rides_until.is_some_and(|until| now.time < until);
-        let moved = if rides { self.params.ride_m_s * interval_s } else { GAP_SPEED_M_S * gap_s };
-        self.bank.walk(&Stretch {
+        let moved = GAP_SPEED_M_S * gap_s;
+        Stretch {
             way_m,
             interval_s,
             along_m2: walk(noise.along_m_sqrt_m),
@@ -291,7 +307,7 @@ impl Follower {
             turn_rad2: walk(noise.turn_walk_rad_sqrt_m),
             factor2: walk(noise.factor_walk_sqrt_m),
             barometer_m2: rest(self.params.weather_m_sqrt_s),
-        });
+        }
     }
 
     /// What the carrier did since a time; `None` where that is forgotten.
@@ -329,7 +345,9 @@ impl Follower {
         solution.attitude = attitude::exp(&(Vector3::z() * -state.turn_rad)) * now.attitude;
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&estimate.covariance_m2);
+        let ranged = self.ranged_until.is_some_and(|until| now.time <= until);
+        let stated = if ranged { self.params.stated_by_ranges } else { 1.0 };
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&(estimate.covariance_m2 * stated));
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {

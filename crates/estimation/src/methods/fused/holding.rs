@@ -5,7 +5,7 @@ use super::carrier::Carrier;
 use super::follower::Follower;
 use super::method::FusedReport;
 use crate::place::params::PlaceParams;
-use crate::place::state::{BAROMETER, Back, EAST, NORTH, UP};
+use crate::place::state::{Back, EAST, NORTH, Stretch, UP};
 use crate::ranging::listener::Link;
 use crate::ranging::{Ranged, RangingFix};
 use adit_core::nalgebra::Vector3;
@@ -20,9 +20,6 @@ const CLIMB_M_S: f64 = 0.7;
 const DOOR_M: f64 = 0.7;
 /// A place that proved wrong without another to go to is wrong by about this, m.
 const REOPENED_M: f64 = 10.0;
-/// Slower than this nobody walks, m/s; who is moved all the same is taken to ride for so long.
-const STANDS_M_S: f64 = 0.3;
-const RIDE: Interval = Interval::from_nanos(20_000_000_000);
 /// Epochs in a row that contradict the place, after which it is the place that is wrong.
 const MOST_OUTLIERS: u32 = 4;
 /// After so long without another range the place is dead reckoning.
@@ -74,7 +71,7 @@ impl Follower {
             }
             let step_m = height_m - from_m;
             if step_m.abs() > DOOR_M + CLIMB_M_S * interval_s {
-                self.bank.change(|state| state.covariance[(BAROMETER, BAROMETER)] += step_m * step_m);
+                self.bank.walk(&Stretch::jump(step_m * step_m));
             }
         }
         self.height = Some((time, height_m));
@@ -173,21 +170,14 @@ impl Follower {
         if count == 0 {
             return;
         }
-        self.held_until = self.held_until.max(Some(time + RANGED_HOLD));
+        self.ranged_until = self.ranged_until.max(Some(time + RANGED_HOLD));
+        self.held_until = self.held_until.max(self.ranged_until);
         let contradicts = sum > bound * f64::from(count);
         self.outliers = if contradicts { self.outliers + 1 } else { 0 };
-        if contradicts && self.stands(time) {
-            self.rides_until = Some(time + RIDE);
-        }
         if self.outliers >= MOST_OUTLIERS {
             self.outliers = 0;
             self.reopen(links, back, report);
         }
-    }
-
-    /// Whether the carrier has hardly moved of late.
-    fn stands(&self, time: Time) -> bool {
-        self.trail.velocity_m_s(time).norm() < STANDS_M_S
     }
 
     /// Epoch after epoch contradicts the place.

@@ -2,7 +2,7 @@
 
 use super::ears::Ears;
 use super::evidence::Process;
-use super::{Fused, FusedParams, NAME};
+use super::{Fused, FusedParams, NAME, smooth};
 use crate::methods::{
     Known, Method, MethodError, MethodReport, MethodSettings, MethodWarning, Nis, NoiseParameter, RadioUse,
 };
@@ -85,6 +85,7 @@ impl MethodSettings for FusedParams {
     type Report = FusedReport;
 
     const NAME: &'static str = NAME;
+    const WHOLE_LOG: bool = true;
     const RADIO: RadioUse = RadioUse::Optional;
     const NOISE: &'static [&'static [NoiseParameter]] = &[&CarrierNoise::NOISE];
 
@@ -109,6 +110,14 @@ impl MethodSettings for FusedParams {
 
     fn start(self) -> Result<Box<dyn Method<Report = FusedReport>>, MethodError> {
         Ok(Box::new(Fused::new(self)?))
+    }
+
+    fn smooth(
+        self,
+        log: &[Observation],
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<(Vec<Solution>, FusedReport), MethodError> {
+        smooth(self, log, progress)
     }
 }
 

@@ -27,12 +27,14 @@ mod params;
 mod placing;
 mod repeats;
 mod signals;
+mod smoothing;
 
 pub use carrier::CarrierKind;
 pub use ears::Ears;
 pub use evidence::Process;
 pub use method::FusedReport;
 pub use params::FusedParams;
+pub use smoothing::smooth;
 
 use crate::methods::ahrs::Ahrs;
 use crate::methods::ins_wifi::{InsWifi, Reduced, reduced};

@@ -12,7 +12,7 @@ const SPARE: usize = 2;
 /// Logarithm of the weight below which a hypothesis is dropped.
 const DROPPED: f64 = -12.0;
 /// What somebody off the map weighs at first where the map fits badly, as a logarithm.
-const OFF_SHARE: f64 = -3.0;
+pub(super) const OFF_SHARE: f64 = -3.0;
 /// Square over what is to be expected from which a start fits badly.
 const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
@@ -96,9 +96,13 @@ impl Bank {
 
     /// Starts the bank anew from one state.
     pub(super) fn open(&mut self, state: State) {
+        if let Some(mut recorder) = self.recorder.take() {
+            recorder.open(self.best().map(|best| (best.lineage, &best.state)));
+            self.recorder = Some(recorder);
+        }
         self.hypotheses.clear();
         let roadways = self.roadways.clone();
-        let fit = roadways.as_deref().and_then(|roadways| self.seed(roadways, &state, 0.0));
+        let fit = roadways.as_deref().and_then(|roadways| self.seed(roadways, &state, 0.0, None));
         if fit.is_none_or(|fit| fit > BAD_START) {
             self.next_id = self.next_id.wrapping_add(1);
             let off = Hypothesis {
@@ -110,6 +114,7 @@ impl Bank {
                 surprise: 1.0,
                 elsewhere: false,
                 walls: 0.0,
+                lineage: None,
                 state,
             };
             self.insert(off);
@@ -206,6 +211,7 @@ impl Hypothesis {
             self.place = other.place;
             self.strain = other.strain;
             self.surprise = other.surprise;
+            self.lineage = other.lineage;
         }
         self.state.join(&other.state, share);
         let highest = self.log_weight.max(other.log_weight);

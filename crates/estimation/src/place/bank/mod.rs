@@ -13,7 +13,8 @@
 //!
 //! Without roadways the bank is one filter and nothing else.
 //!
-//! **Limits.** Who is not on the map is found to be so only by contradiction. Directions known worse than by 35° wait off the map until they are better.
+//! **Limits.** Who is not on the map is found to be so only by contradiction. Who knows his direction worse than by 20° is on no
+//! roadway before he has walked straight for some metres.
 
 mod branch;
 mod hypothesis;
@@ -23,8 +24,10 @@ pub use hypothesis::{Hypothesis, Place};
 pub use mixture::Estimate;
 
 use super::roadways::Roadways;
+use super::smoother::{Recorder, Segment};
 use super::state::{EAST, FACTOR, HEADING, NORTH, Seen, State, Stretch, Taken, UP};
 use adit_core::nalgebra::{Vector2, Vector3};
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use mixture::Reported;
@@ -52,8 +55,10 @@ const TRUSTED_M: f64 = 200.0;
 const FORGOTTEN: f64 = 0.25;
 /// Most doublings.
 const WIDER: u32 = 6;
+/// Standard deviation of a direction of which nothing is known: π/√3, rad.
+const ANYHOW_RAD: f64 = 1.8;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
-const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.5);
+const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.3);
 
 /// What a bank goes by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -89,6 +94,9 @@ pub struct Bank {
     #[serde(skip)]
     roadways: Option<Arc<Roadways>>,
     hypotheses: Vec<Hypothesis>,
+    /// Of a whole log, to be smoothed.
+    #[serde(skip)]
+    recorder: Option<Box<Recorder>>,
     /// Way of the carrier since the last look, m.
     since_m: Vector2<f64>,
     /// Way of the last metres, older ones fading, m, and how long it was.
@@ -112,6 +120,7 @@ impl Bank {
             hypotheses: Vec::new(),
             params,
             roadways,
+            recorder: None,
             since_m: Vector2::zeros(),
             recent_m: Vector2::zeros(),
             recent_length_m: 0.0,
@@ -182,12 +191,21 @@ impl Bank {
                 (Place::Piece(index), Some(roadways)) => roadways.piece(index),
                 _ => None,
             };
-            let walked = hypothesis.state.walk_along(stretch, piece.map(|piece| &piece.direction));
+            let roadway = piece.map(|piece| &piece.direction);
+            let before = self.recorder.as_ref().map(|_| hypothesis.state.clone());
+            let walked = hypothesis.state.walk_along(stretch, roadway);
             if self.params.level_way
                 && let Some(piece) = piece
             {
                 hypothesis.state.position_m.z += piece.rise * piece.direction.dot(&walked.xy());
             }
+            if let (Some(recorder), Some(before)) = (&mut self.recorder, before) {
+                let way = (stretch, roadway);
+                hypothesis.lineage = recorder.step(hypothesis.lineage, &before, way, &hypothesis.state);
+            }
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.tidy(self.hypotheses.iter_mut().map(|hypothesis| &mut hypothesis.lineage));
         }
         self.since_m += stretch.way_m.xy();
         let walked_m = self.since_m.norm();
@@ -221,11 +239,23 @@ impl Bank {
         of_best
     }
 
-    /// Changes every hypothesis alike: what is no measurement of the place.
-    pub fn change(&mut self, change: impl Fn(&mut State)) {
-        for hypothesis in &mut self.hypotheses {
-            change(&mut hypothesis.state);
+    /// Keeps from now on what [`Self::finish`] smooths, 1 kB for each step of each hypothesis that is alive or has descendants. Before the start.
+    pub fn record(&mut self) {
+        self.recorder = Some(Box::default());
+    }
+
+    /// The bank is at, or comes next to, this instant of a log that is recorded.
+    pub fn at(&mut self, instant: usize) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.instant = instant;
         }
+    }
+
+    /// What was recorded, in order of time; nothing is from now on.
+    pub fn finish(&mut self) -> Vec<Segment> {
+        let best = self.best().map(|best| (best.lineage, best.state.clone()));
+        let last = best.as_ref().map(|(lineage, state)| (*lineage, state));
+        self.recorder.take().map(|recorder| recorder.finish(last)).unwrap_or_default()
     }
 
     /// All hypotheses, in no order.
@@ -279,7 +309,9 @@ impl Bank {
         let mut held = self.hypotheses.iter().filter(on_map).peekable();
         if held.peek().is_some() && held.all(|hypothesis| hypothesis.strain > CONTRADICTED) {
             let wider = f64::from(1_u32 << self.reopened.min(WIDER));
-            self.reopen(REOPENED.0 * wider, REOPENED.1 * wider * wider, REOPENED.2);
+            // A direction is the last thing to be doubted.
+            let turned_rad = (REOPENED.2 * (wider / 4.0).max(1.0)).min(ANYHOW_RAD);
+            self.reopen(REOPENED.0 * wider, REOPENED.1 * wider * wider, turned_rad);
             self.reopened += 1;
         }
     }
