@@ -9,7 +9,9 @@
 //! | `quality` | `fixed`, `dead-reckoning` or `lost` |
 //! | `cov_x_x_m2` … `cov_rz_rz_rad2` | upper triangle, row by row, of the covariance of position (`x y z`), velocity (`vx vy vz`) and attitude error (rotation vector in the navigation frame, `rx ry rz`) |
 //!
-//! All columns are needed, in any order; others are ignored. Numbers are written as the shortest decimal that reads back the same.
+//! | `radius_95_m,protection_level_m` | level circles about the position: with 95 % probability, and with all but the integrity risk of 0.1 % |
+//!
+//! All columns but the last two are needed, in any order; others are ignored. Numbers are written as the shortest decimal that reads back the same.
 
 use crate::csv_log::table::Table;
 use crate::csv_log::{missing, name};
@@ -53,7 +55,7 @@ impl SolutionWriter {
     /// Starts a file; `.gz` at the end of the name compresses it.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, LogError> {
         let mut file = AtomicFile::create(path)?;
-        writeln!(file, "{}", column_names().join(",")).map_err(|e| file.error(e))?;
+        writeln!(file, "{},{}", column_names().join(","), CIRCLES.join(",")).map_err(|e| file.error(e))?;
         Ok(Self { file, latest: None })
     }
 
@@ -79,6 +81,9 @@ impl SolutionWriter {
     }
 }
 
+/// What follows from the covariance: written for readers, not read.
+const CIRCLES: [&str; 2] = ["radius_95_m", "protection_level_m"];
+
 /// Number of columns of numbers before the quality: position, velocity, quaternion.
 const STATE_NUMBERS: usize = 10;
 
@@ -97,7 +102,7 @@ fn write_row(file: &mut AtomicFile, solution: &Solution) -> io::Result<()> {
         }
         write!(file, ",{value}")?;
     }
-    writeln!(file)
+    writeln!(file, ",{},{}", solution.radius_95_m(), solution.protection_level_m())
 }
 
 /// Solutions of a file one by one, in order of time. After an error the iterator ends.
