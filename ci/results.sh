@@ -6,13 +6,13 @@
 #   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `s1`: system S1 over many seeds, `s1-fitness`: what tuning it costs, `s4`: system S4 over many seeds, `ranges`: errors of recorded ranges before and after correction, `radio`: simulated radio next to recorded sets,
 #   `radio-positions`: every method by signal strength and range on the recorded radio sets, `steel`: what a steel car does to a compass on the walk of system S3, `marg`: the walks of S3 over many seeds, `s0`: system S0 over many seeds, `s1`: system S1 over many seeds, `s1-fitness`: what tuning it costs, `s4`: system S4 over many seeds, `uwb`: every method on UWB ranges on the recorded sets, `radio`: simulated radio next to recorded sets,
 #   `blackout-foot`, `blackout-waist`, `survival`: runs through a blackout over many seeds, `radius`: how often the truth is within the stated radius,
-#   `shift`: speed and memory of simulating everybody in a mine, `steps`: counted steps of the recorded sets, `phone-walks`: dead reckoning at the waypoints of the recorded walks with a phone,
+#   `roadways`: walks without infrastructure held to roadways, `shift`: speed and memory of simulating everybody in a mine, `steps`: counted steps of the recorded sets, `phone-walks`: dead reckoning at the waypoints of the recorded walks with a phone,
 #   `optimise`: the optimisers and mealpy's, whose numbers are made anew in crates/tuning/tests/reference/mealpy.csv, `optimise-tails`: a choice
 #   that the paper leaves);
 #   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
-#   docs/results/s0-position.svg, docs/results/s1-distribution.svg, docs/results/s4-distribution.svg, docs/results/uwb-gate.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/ranges.svg, docs/results/ranging.svg, docs/results/nlos.svg, docs/results/people-plan.svg, docs/results/blackout.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
+#   docs/results/s0-position.svg, docs/results/s1-distribution.svg, docs/results/s4-distribution.svg, docs/results/uwb-gate.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/ranges.svg, docs/results/ranging.svg, docs/results/nlos.svg, docs/results/people-plan.svg, docs/results/roadways.svg, docs/results/blackout.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . ci/data.sh
@@ -29,6 +29,7 @@ fi
 cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example s1_results --example s4_results --example uwb_results --example gate_figure --example radio_results --example range_results --example radio_figure --example ranging_figure --example shift_results --example blackout_results --example step_results --example step_figure --example phone_walks
 cargo build --locked --release -p adit-cli --bin adit --example recorded_results --example everything_results --example attitude_results --example attitude_parts --example simulated_walks --example stance_figure --example steel_figure --example marg_walks --example marg_figure --example simulated_calibration --example s0_results --example s1_results --example s4_results --example uwb_results --example gate_figure --example radio_results --example range_results --example radio_figure --example ranging_figure --example shift_results --example step_results --example step_figure --example phone_walks
 cargo build --locked --release -p adit-simulation --example radio_realism --example people_plan
+cargo build --locked --release -p adit-estimation --example roadway_walks --example roadway_figure
 cargo build --locked --release -p adit-nlos --example simulated_mines --example class_figure
 cargo build --locked --release -p adit-tuning --example optimise_results --example s1_fitness
 bin=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)
@@ -78,6 +79,8 @@ fi
 "$bin/examples/s1_fitness" "$fresh/walks.csv" "$fresh/s1-fitness.md" ${mealpy_python:+"$mealpy_python" ci/rival/mealpy_s1.py} >/dev/null
 "$bin/examples/optimise_results" "$fresh/optimise.md" "$fresh/optimise-tails.md" docs/results/optimise-convergence.svg
 "$bin/examples/shift_results" "$bin/adit" scenarios/shift.toml "$fresh/shift.md"
+"$bin/examples/roadway_walks" 100 mines/two-level.toml >"$fresh/roadways.md"
+"$bin/examples/roadway_figure" docs/results/roadways.svg
 # Half an hour in the dark; a log and its truth are some 100 MB while a seed runs.
 "$bin/examples/blackout_results" dark "$bin/adit" scenarios/blackout.toml 100 "$fresh/blackout-foot.md" "$fresh/blackout-foot.json" docs/results/blackout.svg
 "$bin/examples/blackout_results" dark "$bin/adit" scenarios/blackout-waist.toml 100 "$fresh/blackout-waist.md" "$fresh/blackout-waist.json" "$fresh/blackout-waist.svg"

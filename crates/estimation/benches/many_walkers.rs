@@ -104,7 +104,7 @@ fn of_method(method: &str, place: &str) {
 
 fn row<S: MethodSettings>(place: &str) {
     let mine = two_level();
-    let site = Arc::new(RadioSite::of_plan(mine.plan()));
+    let site = Arc::new(RadioSite::of_mine(&mine));
     let (mount, worn) = match place {
         "foot" => (Mount::RightFoot(Foot::instep()), Worn::Foot),
         _ => (Mount::Belt(Belt::front()), Worn::Body),
@@ -125,22 +125,23 @@ struct Crowd<'a> {
 }
 
 impl Crowd<'_> {
-    fn start<S: MethodSettings>(&self) -> Box<dyn Method<Report = S::Report>> {
+    fn settings<S: MethodSettings>(&self) -> S {
         let specification = Some(ImuErrorModel::mpu6050().specification());
         let known = Known { specification, worn: Some(self.worn), ..Known::default() };
-        let settings = S::default().knowing(&known).at_site(self.site);
-        settings.start().expect("the defaults are usable")
+        S::default().knowing(&known).at_site(self.site)
     }
 
     /// All walkers, interleaved; fewer, and the speed in proportion, where they would not fit into memory.
     fn time<S: MethodSettings>(&self) {
+        let settings = self.settings::<S>();
+        let start = || (settings.clone().start().expect("the defaults are usable"), 0_usize);
         let before_kib = resident_kib();
-        let mut walkers: Vec<_> = (0..FEW).map(|_| (self.start::<S>(), 0_usize)).collect();
+        let mut walkers: Vec<_> = (0..FEW).map(|_| start()).collect();
         self.advance::<S>(&mut walkers, 0.0, WARM_S);
         let each_kib = (resident_kib().saturating_sub(before_kib) / FEW as u64).max(1);
         let room = usize::try_from(MOST_KIB / each_kib).unwrap_or(WALKERS);
         let count = room.clamp(FEW, WALKERS);
-        let mut more: Vec<_> = (FEW..count).map(|_| (self.start::<S>(), 0_usize)).collect();
+        let mut more: Vec<_> = (FEW..count).map(|_| start()).collect();
         self.advance::<S>(&mut more, 0.0, WARM_S);
         walkers.append(&mut more);
         let clock = Instant::now();
@@ -183,7 +184,7 @@ impl Crowd<'_> {
 
     /// One walker, the whole log after the warm-up.
     fn time_alone<S: MethodSettings>(&self) {
-        let mut method = self.start::<S>();
+        let mut method = self.settings::<S>().start().expect("the defaults are usable");
         let log = &self.logs[0];
         let warm = log.iter().take_while(|o| o.time().seconds() < WARM_S).count();
         for observation in &log[..warm] {

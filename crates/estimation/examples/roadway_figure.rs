@@ -19,8 +19,10 @@ use trial::{follow, params, radius_m, walk};
 const HELD: RGBColor = RGBColor(0, 114, 178);
 const FREE: RGBColor = RGBColor(213, 94, 0);
 const ROADWAY: RGBColor = RGBColor(222, 226, 229);
-/// A walk whose length is learnt late: a kilometre of straight roadway.
-const SEED: u64 = 83;
+/// A walk with straights and turns.
+const SEED: u64 = 20;
+/// Chance to go straight on.
+const GOES_ON: f64 = 0.5;
 
 /// What was said at a moment.
 struct Said {
@@ -39,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mine, _) = adit_mine::file::open(Path::new(file))?;
     let known = Arc::new(Roadways::new(&mine));
     let carrier = Carrier::waist();
-    let walked = walk(&mine, &carrier, &Walker { goes_on: 0.85, ..Walker::default() }, seed);
+    let walked = walk(&mine, &carrier, &Walker { goes_on: GOES_ON, ..Walker::default() }, seed);
     let [held, free] = [Some(&known), None].map(|map| {
         let mut said = Vec::new();
         follow(&walked, map, params(&carrier), seed, |_, estimate, truth, walked_m| {
@@ -61,10 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (middle, lower) = rest.split_vertically(320);
 
     let mut plan = ChartBuilder::on(&upper)
-        .caption(
-            "Half an hour of steps at the belt, seen from above: both levels and the ramp between them",
-            ("sans-serif", 18),
-        )
+        .caption("Half an hour of steps at the belt, seen from above (both levels drawn)", ("sans-serif", 18))
         .margin(12)
         .x_label_area_size(34)
         .y_label_area_size(54)

@@ -37,6 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("waist, start known by 20 m", Carrier { start_m: 20.0, ..Carrier::waist() }, turning),
         ("foot, start known by 20 m", Carrier { start_m: 20.0, ..Carrier::foot() }, turning),
         ("waist, direction known by 25°", Carrier { start_heading_rad: 0.44, ..Carrier::waist() }, turning),
+        ("waist, direction not known", Carrier { start_heading_rad: 1.8, ..Carrier::waist() }, turning),
         ("poor waist", Carrier::poor_waist(), turning),
         ("poor waist, long straights", Carrier::poor_waist(), steady),
     ];

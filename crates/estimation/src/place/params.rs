@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlaceParams {
+    /// Hold the walker to the roadways, where the mine is known.
+    pub roadways: bool,
     /// A measurement whose normalised innovation squared exceeds this, for each of its dimensions, pulls no more than one at it.
     pub nis_bound: f64,
     /// Error of a clear range that passes, standard deviation, m (walls and people near the path).
@@ -16,6 +18,9 @@ pub struct PlaceParams {
     pub passing_s: f64,
     /// Time over which what is in the way of a range errs the same, s.
     pub blocked_s: f64,
+    /// What the variance of a place that ranges hold is multiplied by when it is told: what they have in common for longer than the times above is not in it. Found over the
+    /// scenarios (docs/methods/fused.md).
+    pub stated_by_ranges: f64,
     /// What all ranges read too long, standard deviation, m.
     pub common_offset_sigma_m: f64,
     /// By how much ranges are stamped late, standard deviation, s.
@@ -30,10 +35,6 @@ pub struct PlaceParams {
     pub barometer_sigma_m: f64,
     /// Random walk of the air pressure as a height, m/√s.
     pub weather_m_sqrt_s: f64,
-    /// Speed of somebody who rides, standard deviation, m/s.
-    pub ride_m_s: f64,
-    /// A place that is less sure than this, standard deviation, m, is moved by a position of the ranges of an epoch, not by each of them: spheres are not planes.
-    pub unsure_m: f64,
     /// Radius from which on the walker is lost, m.
     pub lost_m: f64,
 }
@@ -71,11 +72,13 @@ pub struct CarrierNoise {
 impl Default for PlaceParams {
     fn default() -> Self {
         Self {
+            roadways: true,
             // χ² of one degree of freedom: exceeded by 1 of 400 good ones.
             nis_bound: 9.0,
             passing_sigma_m: 0.07,
             passing_s: 0.7,
-            blocked_s: 1.0,
+            blocked_s: 3.0,
+            stated_by_ranges: 2.0,
             common_offset_sigma_m: 0.05,
             clock_sigma_s: 0.05,
             hearing_sigma_db: 6.0,
@@ -83,8 +86,6 @@ impl Default for PlaceParams {
             above_floor_sigma_m: 0.3,
             barometer_sigma_m: 1.0,
             weather_m_sqrt_s: 0.15,
-            ride_m_s: 3.0,
-            unsure_m: 2.0,
             lost_m: 200.0,
         }
     }
@@ -93,8 +94,8 @@ impl Default for PlaceParams {
 impl CarrierNoise {
     /// Of a strapdown on the foot, held by zero velocity.
     pub const FOOT: Self = Self {
-        along_m_sqrt_m: 0.08,
-        across_m_sqrt_m: 0.1,
+        along_m_sqrt_m: 0.11,
+        across_m_sqrt_m: 0.14,
         up_m_sqrt_m: 0.02,
         standing_m_sqrt_s: 0.001,
         turn_sigma_rad: 0.05,
@@ -163,6 +164,7 @@ impl PlaceParams {
             ("place.passing_sigma_m", not_negative(self.passing_sigma_m)),
             ("place.passing_s", positive(self.passing_s)),
             ("place.blocked_s", positive(self.blocked_s)),
+            ("place.stated_by_ranges", positive(self.stated_by_ranges)),
             ("place.common_offset_sigma_m", not_negative(self.common_offset_sigma_m)),
             ("place.clock_sigma_s", not_negative(self.clock_sigma_s)),
             ("place.hearing_sigma_db", not_negative(self.hearing_sigma_db)),
@@ -170,8 +172,6 @@ impl PlaceParams {
             ("place.above_floor_sigma_m", positive(self.above_floor_sigma_m)),
             ("place.barometer_sigma_m", positive(self.barometer_sigma_m)),
             ("place.weather_m_sqrt_s", not_negative(self.weather_m_sqrt_s)),
-            ("place.ride_m_s", not_negative(self.ride_m_s)),
-            ("place.unsure_m", positive(self.unsure_m)),
             ("place.lost_m", positive(self.lost_m)),
         ])
     }

@@ -20,7 +20,6 @@ use crate::kalman::dense::propagate;
 use crate::radio::Emitter;
 use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use core::f64::consts::FRAC_1_SQRT_2;
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
@@ -50,10 +49,6 @@ pub const HEARING: usize = 10;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
-/// Standard deviations up to which the tail of the normal distribution has digits.
-const FAR: f64 = 30.0;
-/// √2π.
-const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
 /// Nearer to an anchor than this, m, a range has no direction any more.
 const NEAREST_M: f64 = 0.05;
 
@@ -388,34 +383,6 @@ impl State {
         Some(Taken { nis, log_likelihood, widened })
     }
 
-    /// The position lies less than `limit_m` from a point in a direction (unit vector). Mean and covariance become those of what is left of the normal distribution
-    /// (Simon & Simon 2010, for one bound): `μ − σλ`, `σ² (1 − λ(λ − β))`, `λ = φ(β)/Φ(−β)`, β how many σ the mean lies beyond. Gives β and `ln Φ(−β)`. Nothing is corrected
-    /// where β exceeds `most`; `None` when nothing is known of the position.
-    pub fn keep_within(
-        &mut self,
-        (point_m, direction): (&Vector3<f64>, &Vector3<f64>),
-        limit_m: f64,
-        most: f64,
-    ) -> Option<(f64, f64)> {
-        let cross = self.covariance.fixed_columns::<3>(EAST) * direction;
-        let variance = direction.dot(&cross.fixed_rows::<3>(EAST));
-        let sigma = libm::sqrt(variance);
-        let beyond = (direction.dot(&(self.position_m - point_m)) - limit_m) / sigma;
-        if !beyond.is_finite() {
-            return None;
-        }
-        let within = 0.5 * libm::erfc(beyond * FRAC_1_SQRT_2);
-        if beyond > most.min(FAR) {
-            return Some((beyond, libm::log(within.max(f64::MIN_POSITIVE))));
-        }
-        let ratio = libm::exp(-0.5 * beyond * beyond) / (SQRT_TAU * within);
-        let lost = (ratio * (ratio - beyond)).clamp(0.0, 1.0);
-        self.covariance -= cross * cross.transpose() * (lost / variance);
-        symmetrise(&mut self.covariance);
-        self.feed_back(&(cross * (-ratio / sigma)));
-        Some((beyond, libm::log(within)))
-    }
-
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.
     pub fn judge<const M: usize>(&self, seen: &Seen<M>) -> Option<(f64, f64)> {
         let innovation = seen.jacobian * self.covariance * seen.jacobian.transpose() + seen.noise;
@@ -436,29 +403,6 @@ impl State {
         self.common_m += correction[COMMON];
         self.clock_s += correction[CLOCK];
         self.hearing_db += correction[HEARING];
-    }
-
-    /// The two moments of a mixture of this state and another, which has this share of it.
-    pub fn join(&mut self, other: &Self, share: f64) {
-        let p = &self.covariance;
-        let turned = libm::remainder(other.turn_rad - self.turn_rad, core::f64::consts::TAU);
-        // Only the sum of the two angles is known apart: each has the part of it that it would have by its variance.
-        let of_turn =
-            turned * (p[(TURN, TURN)] + p[(TURN, HEADING)]) / self.direction_rad2().max(f64::MIN_POSITIVE);
-        let apart_m = other.position_m - self.position_m;
-        let mut apart = Vector::zeros();
-        apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
-        apart[TURN] = of_turn;
-        apart[HEADING] = turned - of_turn;
-        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
-        apart[FACTOR] = other.factor - self.factor;
-        apart[BAROMETER] = other.barometer_m - self.barometer_m;
-        apart[COMMON] = other.common_m - self.common_m;
-        self.covariance = self.covariance * (1.0 - share)
-            + other.covariance * share
-            + apart * apart.transpose() * (share * (1.0 - share));
-        symmetrise(&mut self.covariance);
-        self.feed_back(&(apart * share));
     }
 
     /// The estimate as one vector, in the order of the error.

@@ -7,17 +7,18 @@ use crate::methods::{MethodError, MethodWarning};
 use adit_core::time::Time;
 use adit_observation::{DeviceId, FixSource, PositionFix, Radio, SignalStrength};
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Names of unknown transmitters kept for the report.
 const MOST_NAMES: usize = 100;
 
-/// Scanner and locator, streaming.
+/// Scanner and locator, streaming. Clones share the locator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Listener {
     scanner: Scanner,
-    locator: Locator,
+    locator: Arc<Locator>,
     heard: HeardReport,
 }
 
@@ -54,11 +55,21 @@ impl Listener {
         let site =
             site.ok_or(MethodError::NoRadio { method, needs: "the radio of the site (--mine or --radio)" })?;
         let locator = Locator::new(site, locator).map_err(|needs| MethodError::NoRadio { method, needs })?;
-        Ok(Self { scanner: Scanner::new(scan), locator, heard: HeardReport::default() })
+        Ok(Self { scanner: Scanner::new(scan), locator: Arc::new(locator), heard: HeardReport::default() })
     }
 
     /// Takes a signal.
     pub fn observe(&mut self, signal: &SignalStrength) {
+        if !self.count(signal) {
+            return;
+        }
+        self.scanner.observe(signal);
+        self.heard.late_signals = self.scanner.late();
+        self.heard.left_out_signals = self.scanner.left_out();
+    }
+
+    /// Counts a signal of which nothing is made; tells whether its transmitter is known.
+    pub fn count(&mut self, signal: &SignalStrength) -> bool {
         self.heard.signals += 1;
         if !self.locator.knows(&signal.transmitter) {
             self.heard.unknown_signals += 1;
@@ -66,11 +77,19 @@ impl Listener {
             if unknown.len() < MOST_NAMES && !unknown.contains(&signal.transmitter) {
                 unknown.push(signal.transmitter.clone());
             }
-            return;
+            return false;
         }
-        self.scanner.observe(signal);
-        self.heard.late_signals = self.scanner.late();
-        self.heard.left_out_signals = self.scanner.left_out();
+        true
+    }
+
+    /// Drops what was heard and not yet reported.
+    pub fn clear(&mut self) {
+        self.scanner.clear();
+    }
+
+    /// Takes the locator of another listener at the same site for its own, which is the same: one that was read back has a copy.
+    pub fn share(&mut self, other: &Self) {
+        self.locator = Arc::clone(&other.locator);
     }
 
     /// Time has come to `now`.

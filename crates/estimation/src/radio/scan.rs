@@ -129,6 +129,11 @@ impl Scanner {
         self.left_out
     }
 
+    /// Drops what was not reported.
+    pub(crate) fn clear(&mut self) {
+        self.radios = Default::default();
+    }
+
     /// Takes a signal.
     pub fn observe(&mut self, signal: &SignalStrength) {
         if signal.fault().is_some() {

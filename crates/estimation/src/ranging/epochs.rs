@@ -106,7 +106,7 @@ impl Epochs {
         self.left_out
     }
 
-    /// Takes a range; one with a fault is left.
+    /// Takes a range; one with a fault is left, and one that came before: of the same anchor and time.
     pub fn observe(&mut self, range: &RangeSample) {
         if range.fault().is_some() {
             return;
@@ -114,6 +114,9 @@ impl Epochs {
         self.newest = self.newest.max(Some(range.time));
         let length = Interval::from_seconds(self.params.epoch_s).unwrap_or_default();
         if let Some(epoch) = self.open.iter_mut().find(|epoch| epoch.takes(range, length)) {
+            if epoch.ranges.iter().any(|known| known.anchor == range.anchor && known.time == range.time) {
+                return;
+            }
             if epoch.ranges.len() >= MOST_RANGES {
                 self.left_out += 1;
                 return;

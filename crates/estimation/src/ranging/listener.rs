@@ -9,6 +9,7 @@ use crate::settings::{first_unusable, positive};
 use adit_core::time::Time;
 use adit_observation::{DeviceId, Observation, Radio, RangeSample};
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -62,13 +63,13 @@ impl RangesParams {
     }
 }
 
-/// Ranges of a log to the anchors of a site, streaming.
+/// Ranges of a log to the anchors of a site, streaming. Clones share the anchors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RangeListener {
     params: RangesParams,
     /// By id.
-    anchors: Vec<SiteAnchor>,
-    correction: Option<RangeCorrection>,
+    anchors: Arc<[SiteAnchor]>,
+    correction: Option<Arc<RangeCorrection>>,
     epochs: Epochs,
     heard: RangesHeard,
 }
@@ -126,13 +127,19 @@ impl RangeListener {
         }
         anchors.sort_by(|a, b| a.id.cmp(&b.id));
         let epochs = Epochs::new(params.epochs());
-        let correction = site.and_then(|site| site.ranges.clone());
-        Ok(Self { params, anchors, correction, epochs, heard: RangesHeard::default() })
+        let correction = site.and_then(|site| site.ranges.clone()).map(Arc::new);
+        Ok(Self { params, anchors: anchors.into(), correction, epochs, heard: RangesHeard::default() })
     }
 
     /// The anchors of the site, by id.
     pub fn anchors(&self) -> &[SiteAnchor] {
         &self.anchors
+    }
+
+    /// Takes what belongs to the site from another listener there: one that was read back has copies.
+    pub fn share(&mut self, other: &Self) {
+        self.anchors = Arc::clone(&other.anchors);
+        self.correction.clone_from(&other.correction);
     }
 
     /// Takes an observation of any kind.

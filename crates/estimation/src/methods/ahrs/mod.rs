@@ -168,6 +168,8 @@ impl Ahrs {
                 return Ok(Some(time));
             }
         }
+        // There is nothing to hold until the next gap.
+        self.held = VecDeque::new();
         Ok(None)
     }
 

@@ -9,6 +9,7 @@
 
 use super::aiding::{Aiding, Waiting};
 use super::carrier::Carrier;
+use super::ears::Ears;
 use super::method::FusedReport;
 use super::params::FusedParams;
 use super::signals::Signals;
@@ -20,7 +21,6 @@ use crate::place::params::{CarrierNoise, PlaceParams};
 use crate::place::state::Back;
 use crate::place::state::{HeadingError, Stretch};
 use crate::place::trail::Trail;
-use crate::radio::RadioSite;
 use crate::radio::site::Reader;
 use crate::ranging::listener::RangeListener;
 use crate::ranging::solver::Solver;
@@ -28,12 +28,12 @@ use adit_core::attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
-use adit_observation::{FixSource, Observation, StartPose};
+use adit_observation::{Observation, StartPose};
+use alloc::boxed::Box;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The name under which settings are refused.
-use super::NAME;
 /// The place filter moves no more often: what a carrier does within is a straight line to it.
 pub(super) const TICK: Interval = Interval::from_nanos(95_000_000);
 /// Height of a tag on a foot above the floor, m.
@@ -55,7 +55,6 @@ pub struct Follower {
     pub(super) mounted: bool,
     pub(super) bank: Bank,
     /// What it says, until it moves.
-    #[serde(skip)]
     pub(super) estimate: Option<Estimate>,
     pub(super) search: Option<Search>,
     pub(super) searched: Option<(Time, Vector3<f64>)>,
@@ -65,11 +64,9 @@ pub struct Follower {
     pub(super) solver: Solver,
     /// Height of the tag on a level floor, and its standard deviation, m, where somebody told it.
     pub(super) floor_m: Option<(f64, f64)>,
-    pub(super) radio: Option<RadioFixes>,
+    pub(super) radio: Option<Box<RadioFixes>>,
     pub(super) signals: Option<Signals>,
-    pub(super) readers: Vec<Reader>,
-    /// What the covariance of positions by radio is multiplied by, of each source.
-    pub(super) belief: [f64; FixSource::ALL.len()],
+    pub(super) readers: Arc<[Reader]>,
     /// Last time each link was heard, by anchor.
     pub(super) heard: Vec<(usize, Time)>,
     /// The carrier's last solution, and where the bank has come to.
@@ -77,9 +74,9 @@ pub struct Follower {
     pub(super) walked: Option<Walked>,
     /// Until when observations hold the place.
     pub(super) held_until: Option<Time>,
+    /// And until when ranges do.
+    pub(super) ranged_until: Option<Time>,
     pub(super) outliers: u32,
-    /// Until when somebody who does not walk is taken to ride.
-    pub(super) rides_until: Option<Time>,
     pub(super) pressure_pa: Option<f64>,
     /// The last height by the barometer that was taken, m.
     pub(super) height: Option<(Time, f64)>,
@@ -107,41 +104,37 @@ impl Follower {
     /// Of a carrier with these settings.
     pub fn new(params: &FusedParams, carrier: &Carrier) -> Result<Self, MethodError> {
         let site = params.site.as_deref();
-        let ranges = site
-            .filter(|site| !site.anchors.is_empty())
-            .map(|site| RangeListener::new(NAME, Some(site), params.ranges.clone()))
-            .transpose()?;
-        let mut radio = params.steps.clone();
-        radio.site.clone_from(&params.site);
-        let known = site.is_some_and(RadioSite::has_signals);
+        let ears = Ears::new(params)?;
         Ok(Self {
             params: params.place,
             noise: carrier.noise(params),
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::new(bank_params(params, carrier), site.and_then(|site| site.roadways.clone())),
+            bank: Bank::new(
+                bank_params(params, carrier),
+                site.filter(|_| params.place.roadways).and_then(|site| site.roadways.clone()),
+            ),
             estimate: None,
             search: None,
             searched: None,
             trail: Trail::default(),
             waiting: Waiting::default(),
-            ranges,
+            ranges: ears.ranges.clone(),
             solver: Solver::new(params.solver, site),
             floor_m: params
                 .solver
                 .height_m
                 .map(|height_m| (height_m, params.solver.height_sigma_m.max(LEAST_HEIGHT_M))),
-            radio: if known { RadioFixes::new(&radio)? } else { None },
-            signals: site.and_then(|site| Signals::new(site, &params.steps.radio)),
-            readers: site.map(|site| site.readers.clone()).unwrap_or_default(),
-            belief: [1.0; FixSource::ALL.len()],
+            radio: ears.radio.clone().map(Box::new),
+            signals: ears.signals.clone(),
+            readers: Arc::clone(&ears.readers),
             heard: Vec::new(),
             reckoned: None,
             walked: None,
             held_until: None,
+            ranged_until: None,
             outliers: 0,
-            rides_until: None,
             pressure_pa: None,
             height: None,
             told: None,
@@ -158,6 +151,11 @@ impl Follower {
         self.bank.best().is_some()
     }
 
+    /// Once there is a place each signal is held against it by itself, and nothing is made of scans.
+    pub(super) fn takes_signals_alone(&self) -> bool {
+        self.signals.is_some() && self.is_placed()
+    }
+
     /// Takes what is not the carrier's own.
     #[inline]
     pub fn observe(&mut self, observation: &Observation, report: &mut FusedReport) {
@@ -168,8 +166,11 @@ impl Follower {
                 }
             }
             Observation::Signal(signal) => {
-                if let Some(radio) = &mut self.radio {
-                    radio.observe(signal);
+                let alone = self.takes_signals_alone();
+                match &mut self.radio {
+                    Some(radio) if alone => radio.count(signal),
+                    Some(radio) => radio.observe(signal),
+                    None => {}
                 }
                 let (time, rssi_dbm) = (signal.time, signal.rssi_dbm);
                 let known = self.signals.as_ref().and_then(|signals| signals.transmitter(signal));
@@ -201,6 +202,7 @@ impl Follower {
         }
         if let Some(radio) = &mut self.radio
             && !matches!(observation, Observation::Range(_))
+            && !(self.signals.is_some() && self.bank.best().is_some())
         {
             while let Some(fix) = radio.due(observation.time()) {
                 self.waiting.push(Aiding::Radio(fix), report);
@@ -213,7 +215,7 @@ impl Follower {
         while let Some(epoch) = self.ranges.as_mut().and_then(RangeListener::finish) {
             self.waiting.push(Aiding::Ranges(epoch), report);
         }
-        while let Some(fix) = self.radio.as_mut().and_then(RadioFixes::finish) {
+        while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
             self.waiting.push(Aiding::Radio(fix), report);
         }
         if let Some(ranges) = &self.ranges {
@@ -222,6 +224,23 @@ impl Follower {
         if let Some(radio) = &self.radio {
             report.signals = Some(radio.report().clone());
         }
+    }
+
+    /// Gives a follower that was read back its site again: that of the settings it began with, shared with others there.
+    pub fn attach(&mut self, params: &FusedParams) -> Result<(), MethodError> {
+        let ears = Ears::new(params)?;
+        self.bank.attach(params.site.as_ref().and_then(|site| site.roadways.clone()));
+        if let (Some(own), Some(shared)) = (&mut self.ranges, &ears.ranges) {
+            own.share(shared);
+        }
+        if let (Some(own), Some(shared)) = (&mut self.radio, &ears.radio) {
+            own.share(shared);
+        }
+        if let (Some(own), Some(shared)) = (&mut self.signals, &ears.signals) {
+            own.share(shared);
+        }
+        self.readers = Arc::clone(&ears.readers);
+        Ok(())
     }
 
     /// The carrier has come to a place in its own frame; gives where that is on the map.
@@ -276,8 +295,7 @@ impl Follower {
             HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
-        let rides = self.rides_until.is_some_and(|until| to.time < until);
-        let moved = if rides { self.params.ride_m_s * interval_s } else { GAP_SPEED_M_S * gap_s };
+        let moved = GAP_SPEED_M_S * gap_s;
         Stretch {
             way_m,
             interval_s,
@@ -327,7 +345,9 @@ impl Follower {
         solution.attitude = attitude::exp(&(Vector3::z() * -state.turn_rad)) * now.attitude;
         solution.covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&estimate.covariance_m2);
+        let ranged = self.ranged_until.is_some_and(|until| now.time <= until);
+        let stated = if ranged { self.params.stated_by_ranges } else { 1.0 };
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&(estimate.covariance_m2 * stated));
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {

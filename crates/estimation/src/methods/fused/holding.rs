@@ -13,11 +13,6 @@ use adit_core::time::{Interval, Time};
 use adit_observation::{FixSource, PositionFix};
 use alloc::vec::Vec;
 
-/// Positions over which the belief in them is learnt; its bounds; an outlier counts as no more than so many variances.
-const BELIEF_FIXES: f64 = 30.0;
-const BELIEF_LEAST: f64 = 0.02;
-const BELIEF_MOST: f64 = 4.0;
-const MOST_OFF: f64 = 9.0;
 /// Heights are taken no more often, s: what the air errs lasts.
 const HEIGHTS_S: f64 = 1.0;
 /// People climb no faster, m/s; a height that changes by more than this beside, m, is a door.
@@ -25,9 +20,6 @@ const CLIMB_M_S: f64 = 0.7;
 const DOOR_M: f64 = 0.7;
 /// A place that proved wrong without another to go to is wrong by about this, m.
 const REOPENED_M: f64 = 10.0;
-/// Slower than this nobody walks, m/s; who is moved all the same is taken to ride for so long.
-const STANDS_M_S: f64 = 0.3;
-const RIDE: Interval = Interval::from_nanos(20_000_000_000);
 /// Epochs in a row that contradict the place, after which it is the place that is wrong.
 const MOST_OUTLIERS: u32 = 4;
 /// After so long without another range the place is dead reckoning.
@@ -55,11 +47,8 @@ impl Follower {
             Aiding::Radio(_) if self.is_placed() && self.signals.is_some() => {}
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
-                let belief = self.belief[fix.source as usize];
-                let fix = PositionFix { covariance_m2: fix.covariance_m2 * belief, ..*fix };
-                self.learn(&fix, &back, belief);
-                let weighed = self.radio.as_mut().map(|radio| radio.weigh(&fix, &way_m).0);
-                self.hold_fix(carrier, &weighed.unwrap_or(fix), &back, report);
+                let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);
+                self.hold_fix(carrier, &weighed.unwrap_or(*fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
             Aiding::Height { time, height_m } => self.hold_height(*time, *height_m, &back),
@@ -116,23 +105,6 @@ impl Follower {
             report.note(taken.nis, 1, taken.widened);
             self.held_until = self.held_until.max(Some(time + FIX_HOLD));
         }
-    }
-
-    /// How much better or worse than they tell positions by radio are, from how they agree with where the walker was expected:
-    /// a running mean of `(ν² − H P Hᵀ)/R` (Mehra 1972).
-    pub(super) fn learn(&mut self, fix: &PositionFix, back: &Back, belief: f64) {
-        let Some(state) = self.bank.best().map(|best| &best.state).filter(|_| self.is_placed()) else {
-            return;
-        };
-        let seen = state.see_place(&fix.level_m, &fix.covariance_m2, &back.way_m);
-        let expected_m2 = state.position_covariance_m2();
-        let known_m2 = expected_m2[(0, 0)] + expected_m2[(1, 1)];
-        let told_m2 = fix.covariance_m2.trace();
-        let off_m2 = seen.residual.norm_squared().min(MOST_OFF * told_m2);
-        let shown = belief * (off_m2 - known_m2).max(0.0) / told_m2;
-        let kept = 1.0 - 1.0 / BELIEF_FIXES;
-        let next = kept * belief + (1.0 - kept) * shown;
-        self.belief[fix.source as usize] = next.clamp(BELIEF_LEAST, BELIEF_MOST);
     }
 
     /// A position on the level.
@@ -198,21 +170,14 @@ impl Follower {
         if count == 0 {
             return;
         }
-        self.held_until = self.held_until.max(Some(time + RANGED_HOLD));
+        self.ranged_until = self.ranged_until.max(Some(time + RANGED_HOLD));
+        self.held_until = self.held_until.max(self.ranged_until);
         let contradicts = sum > bound * f64::from(count);
         self.outliers = if contradicts { self.outliers + 1 } else { 0 };
-        if contradicts && self.stands(time) {
-            self.rides_until = Some(time + RIDE);
-        }
         if self.outliers >= MOST_OUTLIERS {
             self.outliers = 0;
             self.reopen(links, back, report);
         }
-    }
-
-    /// Whether the carrier has hardly moved of late.
-    fn stands(&self, time: Time) -> bool {
-        self.trail.velocity_m_s(time).norm() < STANDS_M_S
     }
 
     /// Epoch after epoch contradicts the place.

@@ -1,5 +1,6 @@
 //! `fused` as one of the methods, and what it says of a run.
 
+use super::ears::Ears;
 use super::evidence::Process;
 use super::{Fused, FusedParams, NAME, smooth};
 use crate::methods::{
@@ -101,7 +102,10 @@ impl MethodSettings for FusedParams {
     }
 
     fn at_site(self, radio: &Arc<RadioSite>) -> Self {
-        Self { site: Some(Arc::clone(radio)), ..self }
+        let mut settings = Self { site: Some(Arc::clone(radio)), ..self };
+        // What cannot be made is told at the start.
+        settings.ears = Ears::new(&settings).ok();
+        settings
     }
 
     fn start(self) -> Result<Box<dyn Method<Report = FusedReport>>, MethodError> {

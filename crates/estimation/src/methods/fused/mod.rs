@@ -18,16 +18,19 @@
 
 mod aiding;
 mod carrier;
+mod ears;
 mod evidence;
 mod follower;
 mod holding;
 mod method;
 mod params;
 mod placing;
+mod repeats;
 mod signals;
 mod smoothing;
 
 pub use carrier::CarrierKind;
+pub use ears::Ears;
 pub use evidence::Process;
 pub use method::FusedReport;
 pub use params::FusedParams;
@@ -46,16 +49,19 @@ use alloc::vec::Vec;
 use carrier::Carrier;
 use evidence::Evidence;
 use follower::Follower;
+use repeats::Repeats;
 use serde::{Deserialize, Serialize};
 
 /// Name of the method.
 const NAME: &str = "fused";
+/// Solutions for which room is kept.
+const MOST_DUE: usize = 1;
 
-/// One tag, streaming.
+/// One tag, streaming. One that was serialised and read back goes on to the same bits once [`Self::attach`] has given it its site again.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Fused {
-    params: FusedParams,
     stage: Stage,
+    repeats: Repeats,
     due: VecDeque<Solution>,
     report: FusedReport,
 }
@@ -64,7 +70,7 @@ pub struct Fused {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 enum Stage {
     /// What the log is of is not known yet.
-    Looking(Box<Evidence>),
+    Looking(Box<(FusedParams, Evidence)>),
     /// A carrier, followed on the map.
     Carried(Box<(Carrier, Follower)>),
     /// Strapdown between fixes.
@@ -84,9 +90,9 @@ impl Fused {
             return Err(MethodError::Setting { method: NAME, name });
         }
         Ok(Self {
-            params,
-            stage: Stage::Looking(Box::default()),
-            due: VecDeque::new(),
+            stage: Stage::Looking(Box::new((params, Evidence::default()))),
+            repeats: Repeats::default(),
+            due: VecDeque::with_capacity(MOST_DUE),
             report: FusedReport::default(),
         })
     }
@@ -94,9 +100,13 @@ impl Fused {
     /// One observation in, at most one solution out; further ones come with [`Self::next_due`].
     #[inline]
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Solution>, MethodError> {
+        if self.repeats.is_repeated(observation) {
+            return self.next_due();
+        }
         match &mut self.stage {
-            Stage::Looking(evidence) => {
-                if let Some(process) = evidence.observe(observation, &self.params) {
+            Stage::Looking(looking) => {
+                let (params, evidence) = looking.as_mut();
+                if let Some(process) = evidence.observe(observation, params) {
                     self.begin(process)?;
                 }
             }
@@ -108,13 +118,33 @@ impl Fused {
     /// A further solution that the observations so far make due, if any.
     #[inline]
     pub fn next_due(&mut self) -> Result<Option<Solution>, MethodError> {
-        Ok(self.due.pop_front())
+        let due = self.due.pop_front();
+        if self.due.is_empty() && self.due.capacity() > MOST_DUE {
+            // A thousand walkers hold what was due at the beginning of each.
+            self.due.shrink_to(MOST_DUE);
+        }
+        Ok(due)
+    }
+
+    /// Gives a tag that was read back its site again: that of the settings it was started with, of which it then holds no copies.
+    pub fn attach(&mut self, params: &FusedParams) -> Result<(), MethodError> {
+        match &mut self.stage {
+            Stage::Looking(looking) => {
+                looking.0.site.clone_from(&params.site);
+                looking.0.ears.clone_from(&params.ears);
+                Ok(())
+            }
+            Stage::Carried(both) => both.1.attach(params),
+            // They keep all that they need.
+            Stage::Strapdown(_) | Stage::Ranges(_) | Stage::Signals(_) | Stage::Attitude(_) => Ok(()),
+        }
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
-        if let Stage::Looking(evidence) = &self.stage {
-            let process = evidence.verdict(&self.params);
+        if let Stage::Looking(looking) = &self.stage {
+            let (params, evidence) = looking.as_ref();
+            let process = evidence.verdict(params);
             self.begin(process)?;
         }
         if let Some(due) = self.due.pop_front() {
@@ -152,7 +182,8 @@ impl Fused {
     /// The log is known: what was kept of it goes to whom it concerns.
     fn begin(&mut self, process: Process) -> Result<(), MethodError> {
         self.report.process = Some(process);
-        let params = &self.params;
+        let Stage::Looking(looking) = &self.stage else { return Ok(()) };
+        let params = &looking.0;
         let stage = match process {
             Process::Carried(kind) => {
                 let carrier = Carrier::new(kind, params)?;
@@ -172,8 +203,8 @@ impl Fused {
             }
             Process::Attitude => Stage::Attitude(Box::new(Ahrs::new(params.attitude.clone())?)),
         };
-        let Stage::Looking(evidence) = core::mem::replace(&mut self.stage, stage) else { return Ok(()) };
-        let kept: Vec<Observation> = evidence.kept;
+        let Stage::Looking(looking) = core::mem::replace(&mut self.stage, stage) else { return Ok(()) };
+        let kept: Vec<Observation> = looking.1.kept;
         kept.iter().try_for_each(|observation| self.take(observation))
     }
 

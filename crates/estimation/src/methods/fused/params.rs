@@ -1,5 +1,6 @@
 //! Settings of `fused`: one default for every tag and every mine; a sidecar tells where a tag is worn.
 
+use super::ears::Ears;
 use crate::methods::Worn;
 use crate::methods::ahrs::AhrsParams;
 use crate::methods::foot_ins::FootInsParams;
@@ -55,6 +56,9 @@ pub struct FusedParams {
     /// The site: anchors, transmitters, portals, roadways.
     #[serde(skip)]
     pub site: Option<Arc<RadioSite>>,
+    /// What was made of the site already: walkers started from clones of these settings share it. Made by `at_site`.
+    #[serde(skip)]
+    pub ears: Option<Arc<Ears>>,
 }
 
 impl Default for FusedParams {
@@ -76,6 +80,7 @@ impl Default for FusedParams {
             ranges_alone: UwbRkfParams::default(),
             signals_alone: WifiParams::default(),
             site: None,
+            ears: None,
         }
     }
 }

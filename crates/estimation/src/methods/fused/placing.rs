@@ -106,6 +106,11 @@ impl Follower {
         }
         self.bank.start(state);
         self.search = None;
+        if self.takes_signals_alone()
+            && let Some(radio) = &mut self.radio
+        {
+            radio.clear();
+        }
     }
 
     /// The state of somebody who was found.

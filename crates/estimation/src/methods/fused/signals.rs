@@ -17,6 +17,7 @@ use crate::radio::{Emitter, RadioSite};
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use adit_observation::{DeviceId, SignalStrength};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -38,8 +39,8 @@ const LEAST_SHARE: f64 = 1e-3;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Signals {
     /// Number of the transmitter of each name, by name.
-    names: Vec<(DeviceId, usize)>,
-    emitters: Vec<Emitter>,
+    names: Arc<[(DeviceId, usize)]>,
+    emitters: Arc<[Emitter]>,
     last: Vec<Option<Heard>>,
     correlation_m: f64,
     correlation_s: f64,
@@ -72,19 +73,23 @@ pub struct Expected {
 }
 
 impl Signals {
-    /// Where transmitters of known places are all that is known of the radio; a survey knows more than a path loss.
+    /// Where transmitters of known places beside roadways are all that is known of the radio. Along a roadway a strength tells a place; on an open floor it tells a ring, and all strengths
+    /// of a scan together are a better measurement. A survey knows more than a path loss.
     pub fn new(site: &RadioSite, params: &PdrRadio) -> Option<Self> {
-        let whole = params.used && params.locator.method == LocatorMethod::Auto && site.surveyed.is_none();
+        let whole = params.used
+            && params.locator.method == LocatorMethod::Auto
+            && site.surveyed.is_none()
+            && site.roadways.is_some();
         if !whole || site.transmitters.is_empty() {
             return None;
         }
-        let emitters: Vec<Emitter> =
+        let emitters: Arc<[Emitter]> =
             emitters(site, &params.locator).into_iter().map(|(emitter, _)| emitter).collect();
         let mut names = names(&site.transmitters);
         names.sort();
         let sigma_db = emitters.first().map_or(params.locator.sigma_db, |emitter| emitter.sigma_db);
         Some(Self {
-            names,
+            names: names.into(),
             last: alloc::vec![None; emitters.len()],
             emitters,
             correlation_m: params.correlation_m,
@@ -93,6 +98,12 @@ impl Signals {
             shadow_db2: (1.0 - FADING) * sigma_db * sigma_db,
             learnt: [BEGIN; 2],
         })
+    }
+
+    /// Takes what belongs to the site from others there: those that were read back have copies.
+    pub fn share(&mut self, other: &Self) {
+        self.names = Arc::clone(&other.names);
+        self.emitters = Arc::clone(&other.emitters);
     }
 
     /// The transmitter of a signal.

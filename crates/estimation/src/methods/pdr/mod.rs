@@ -37,9 +37,10 @@ use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
 use adit_core::time::{Interval, Time};
 use adit_observation::{AccelerationSample, ImuSample, Observation};
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use course::{Course, TURNED_OVER_RAD};
-use fixes::{HeldFix, MOST_HELD};
+use fixes::HeldFix;
 use radio::RadioFixes;
 use search::{Search, UNKNOWN_RAD};
 use serde::{Deserialize, Serialize};
@@ -83,7 +84,7 @@ pub struct Pdr {
     /// Fixes that wait for the state, in order of time.
     held: VecDeque<HeldFix>,
     /// Positions by the radio of the site, where something is known of it.
-    radio: Option<RadioFixes>,
+    radio: Option<Box<RadioFixes>>,
     due: VecDeque<Solution>,
     report: PdrReport,
 }
@@ -118,9 +119,9 @@ impl Pdr {
             fixed: None,
             outliers: 0.0,
             trail: Trail::default(),
-            held: VecDeque::with_capacity(MOST_HELD),
-            radio: RadioFixes::new(&params)?,
-            due: VecDeque::with_capacity(MOST_HELD),
+            held: VecDeque::new(),
+            radio: RadioFixes::new(&params)?.map(Box::new),
+            due: VecDeque::new(),
             report: PdrReport::default(),
             params,
         })
@@ -148,18 +149,24 @@ impl Pdr {
             }
             _ => {}
         }
-        Ok(self.due.pop_front())
+        Ok(self.next_due())
     }
 
     /// A further solution that the observations so far make due, if any.
+    #[inline]
     pub fn next_due(&mut self) -> Option<Solution> {
-        self.due.pop_front()
+        let due = self.due.pop_front();
+        if self.due.is_empty() {
+            // What was due at once at the beginning is not again.
+            self.due.shrink_to(1);
+        }
+        due
     }
 
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         let Some(latest) = self.latest else { return Err(MethodError::Empty) };
-        while let Some(fix) = self.radio.as_mut().and_then(RadioFixes::finish) {
+        while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
             self.take(HeldFix { fix, by_radio: true });
         }
         if let Some(radio) = &self.radio {

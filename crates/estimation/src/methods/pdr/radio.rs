@@ -54,6 +54,21 @@ impl RadioFixes {
         self.listener.observe(signal);
     }
 
+    /// Counts a signal that others take.
+    pub fn count(&mut self, signal: &SignalStrength) {
+        self.listener.count(signal);
+    }
+
+    /// Drops what was heard and not yet made a fix of.
+    pub fn clear(&mut self) {
+        self.listener.clear();
+    }
+
+    /// Takes what belongs to the site from others at the same one.
+    pub fn share(&mut self, other: &Self) {
+        self.listener.share(&other.listener);
+    }
+
     /// The next fix that is due.
     pub fn due(&mut self, now: Time) -> Option<PositionFix> {
         self.listener.advance(now);

@@ -1,6 +1,7 @@
 //! Where a hypothesis can be instead.
 
 use super::hypothesis::carried_on;
+use super::mixture::OFF_SHARE;
 use super::{Bank, DEFORMED, Hypothesis, Place, RECENT_M};
 use crate::place::roadways::Roadways;
 use crate::place::state::State;
@@ -18,17 +19,25 @@ const AWAY_BOUNDS_RAD: (f64, f64) = (0.35, 0.7);
 const BETTER_RAD: f64 = 0.175;
 /// A branch makes no larger angle with the way than this, rad.
 const ALONG_RAD: f64 = 0.8;
-/// Standard deviation of a direction that is known well enough to be on a map, rad.
-const KNOWN_RAD: f64 = 0.6;
-/// Logarithms of the share that a branch takes: the way points there; both ways fit; in or out of a chamber; onto the map again.
+/// Standard deviation of a direction that is known well enough to be on a map: 20°, rad. Where it is known worse a straight way must have been walked: it leads along the roadway, one
+/// way or the other, but for this, rad.
+const KNOWN_RAD: f64 = 0.35;
+const ALONG_SIGMA_RAD: f64 = 0.25;
+/// Logarithms of the share that a branch takes: the way points there; both ways fit; in or out of a chamber.
 const TURNED: f64 = -2.0;
 const FORKED: f64 = -0.7;
 const STEPPED: f64 = -2.0;
-const BACK: f64 = -2.0;
 /// Weight, as a logarithm, from which a hypothesis branches.
 const BRANCHES: f64 = -7.0;
 /// Looks from one search of somebody off the map for a roadway to the next.
-const SEARCH_EVERY: u32 = 10;
+const SEARCH_EVERY: u32 = 5;
+/// Probability of being on a piece, of all along its line, that is not worth a hypothesis.
+const SHARE: f64 = 1e-4;
+/// Logarithms of weights: half; a hundredth.
+const MOST_LIKELY: f64 = -0.693;
+const UNLIKELY: f64 = -4.6;
+/// Names given within a search are nearer than this.
+const NEW: u32 = 1 << 16;
 /// Onto at most this many pieces at once.
 const SEEDS: usize = 64;
 
@@ -114,11 +123,13 @@ impl Bank {
                 match hypothesis.place {
                     Place::Piece(piece) => self.branch_off_piece(roadways, index, piece),
                     Place::Chamber(chamber) => self.leave_chamber(roadways, index, chamber),
-                    Place::Off if self.looks.is_multiple_of(SEARCH_EVERY) => self.find_map(roadways, index),
                     Place::Off => {}
                 }
             }
             index += 1;
+        }
+        if straight && self.looks.is_multiple_of(SEARCH_EVERY) {
+            self.find_map(roadways);
         }
     }
 
@@ -190,11 +201,31 @@ impl Bank {
         }
     }
 
-    fn find_map(&mut self, roadways: &Roadways, from: usize) {
-        let state = self.hypotheses[from].state.clone();
-        let log_weight = self.hypotheses[from].log_weight + BACK;
-        let lineage = self.hypotheses[from].lineage;
+    /// Whoever is most likely off the map is looked for on it: what is found shares the weight, and little is left off the map.
+    fn find_map(&mut self, roadways: &Roadways) {
+        let off = |known: &&Hypothesis| known.place == Place::Off && known.log_weight > MOST_LIKELY;
+        let Some(Hypothesis { state, log_weight, id, lineage, .. }) =
+            self.hypotheses.iter().find(off).cloned()
+        else {
+            return;
+        };
+        let reported = self.reported.map(|reported| reported.id);
+        self.hypotheses
+            .retain(|known| known.id == id || known.log_weight > UNLIKELY || Some(known.id) == reported);
+        let before = self.next_id;
         self.seed(roadways, &state, log_weight, lineage);
+        let is_new = |known: &Hypothesis| known.id.wrapping_sub(before).wrapping_sub(1) < NEW;
+        let sum: f64 = self.hypotheses.iter().filter(|known| is_new(known)).map(Hypothesis::weight).sum();
+        if sum <= 0.0 {
+            return;
+        }
+        for known in &mut self.hypotheses {
+            if is_new(known) {
+                known.log_weight += log_weight - libm::log(sum);
+            } else if known.id == id {
+                known.log_weight += OFF_SHARE;
+            }
+        }
     }
 
     /// Puts a state onto every roadway and into every chamber that it can be in; tells the best fit, mean square over what is to be expected.
@@ -205,9 +236,12 @@ impl Bank {
         log_weight: f64,
         lineage: Option<u32>,
     ) -> Option<f64> {
-        if state.direction_rad2() > KNOWN_RAD * KNOWN_RAD {
+        let straight = self.is_straight();
+        let known = state.direction_rad2() <= KNOWN_RAD * KNOWN_RAD;
+        if !known && !straight {
             return None;
         }
+        let along_rad = ALONG_RAD + 2.0 * libm::sqrt(state.direction_rad2().max(0.0));
         let parent = Hypothesis {
             id: 0,
             place: Place::Off,
@@ -229,18 +263,27 @@ impl Bank {
         near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         for index in near.into_iter().take(SEEDS) {
             let Some(piece) = roadways.piece(index) else { continue };
-            let Some(mut child) = parent.on_piece(index, piece, &self.params) else { continue };
-            // The share of what it does not know along the line that lies on this piece.
-            let along_m = piece.on(&child.state.position_m.xy()).along_m;
-            let sigma_m = child.sigma_m(&piece.direction).max(1.0);
-            let below = |m: f64| libm::erf(m / (sigma_m * core::f64::consts::SQRT_2));
-            let share = 0.5 * (below(piece.length_m - along_m) + below(along_m));
-            if share < 1e-4 {
+            // Whoever has walked straight has walked along a roadway.
+            if known && straight && angle(&self.recent_direction(state), &piece.direction) > along_rad {
                 continue;
             }
-            child.log_weight += libm::log(share);
-            best = Some(best.map_or(child.strain, |known| known.min(child.strain)));
-            self.admit(roadways, child);
+            let senses = if known { [None, None] } else { [Some(piece.direction), Some(-piece.direction)] };
+            for sense in senses.into_iter().take(if known { 1 } else { 2 }) {
+                let facing = sense.map(|direction| self.facing(&parent, &direction));
+                let facing = facing.as_ref().unwrap_or(&parent);
+                let Some(mut child) = facing.on_piece(index, piece, &self.params) else { continue };
+                // The share of what it does not know along the line that lies on this piece.
+                let along_m = piece.on(&child.state.position_m.xy()).along_m;
+                let sigma_m = child.sigma_m(&piece.direction).max(1.0);
+                let below = |m: f64| libm::erf(m / (sigma_m * core::f64::consts::SQRT_2));
+                let share = 0.5 * (below(piece.length_m - along_m) + below(along_m));
+                if share < SHARE {
+                    continue;
+                }
+                child.log_weight += libm::log(share);
+                best = Some(best.map_or(child.strain, |known| known.min(child.strain)));
+                self.admit(roadways, child);
+            }
         }
         for chamber in (0_u32..).take_while(|index| roadways.chamber(*index).is_some()) {
             if let Some(child) = parent.in_chamber(chamber, roadways, &self.params) {
@@ -249,5 +292,16 @@ impl Bank {
             }
         }
         best
+    }
+
+    /// The same hypothesis with the way of the last metres in this direction, as probable as that is.
+    fn facing(&self, parent: &Hypothesis, direction: &Vector2<f64>) -> Hypothesis {
+        let way = self.recent_direction(&parent.state);
+        // Clockwise, as turns are.
+        let turn_rad = libm::atan2(-way.perp(direction), way.dot(direction));
+        let mut child = parent.clone();
+        child.log_weight -= 0.5 * turn_rad * turn_rad / parent.state.direction_rad2();
+        child.state.face(turn_rad, ALONG_SIGMA_RAD);
+        child
     }
 }

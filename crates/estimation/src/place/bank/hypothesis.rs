@@ -284,6 +284,10 @@ impl Hypothesis {
     /// Both are in one place by their states and go along one line: what tells them apart is small beside what they do not know.
     pub(super) fn is_like(&self, other: &Self, roadways: &Roadways) -> bool {
         let apart = (other.state.position_m - self.state.position_m).xy();
+        let turned = libm::remainder(other.state.turn_rad - self.state.turn_rad, core::f64::consts::TAU);
+        if turned.abs() > TURNED_RAD {
+            return false;
+        }
         let rise = other.state.position_m.z - self.state.position_m.z;
         match (self.place, other.place) {
             (Place::Piece(a), Place::Piece(b)) => {
@@ -302,6 +306,8 @@ impl Hypothesis {
 
 /// As near as this two hypotheses on one line are one, m.
 const ALIKE_M: f64 = 3.0;
+/// Angle from which two directions are not one, rad: 45°.
+const TURNED_RAD: f64 = 0.8;
 /// Cosine of the angle up to which two pieces are one line: 25°.
 const PARALLEL: f64 = 0.9;
 /// Cosine of the angle up to which a roadway is carried on: 35°.

@@ -7,17 +7,19 @@ use adit_core::nalgebra::{Matrix3, Vector3};
 use adit_core::solution::radius_95_m;
 use serde::{Deserialize, Serialize};
 
+/// Hypotheses for which room is kept beside those that there are.
+const SPARE: usize = 2;
 /// Logarithm of the weight below which a hypothesis is dropped.
 const DROPPED: f64 = -12.0;
 /// What somebody off the map weighs at first where the map fits badly, as a logarithm.
-const OFF_SHARE: f64 = -3.0;
+pub(super) const OFF_SHARE: f64 = -3.0;
 /// Square over what is to be expected from which a start fits badly.
 const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
 const LINE_95: f64 = 3.841_458_820_694_124;
 
 /// What a bank says of where somebody is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Reported place, in the air of a roadway where the hypothesis is on one, m.
     pub position_m: Vector3<f64>,
@@ -136,6 +138,8 @@ impl Bank {
     /// In a full bank instead of the least likely, but not of the one that is reported.
     fn insert(&mut self, child: Hypothesis) {
         if self.hypotheses.len() < self.room() {
+            // Most of the time there are one or two.
+            self.hypotheses.reserve_exact(1);
             self.hypotheses.push(child);
             return;
         }
@@ -154,6 +158,7 @@ impl Bank {
         let highest = self.hypotheses[best].log_weight;
         let reported = self.reported.map(|reported| reported.id);
         self.hypotheses.retain(|known| known.log_weight - highest > DROPPED || Some(known.id) == reported);
+        self.hypotheses.shrink_to(self.hypotheses.len() + SPARE);
         let sum: f64 = self.hypotheses.iter().map(|known| libm::exp(known.log_weight - highest)).sum();
         let norm = highest + libm::log(sum);
         for hypothesis in &mut self.hypotheses {

@@ -13,7 +13,8 @@
 //!
 //! Without roadways the bank is one filter and nothing else.
 //!
-//! **Limits.** Who is not on the map is found to be so only by contradiction. Directions known worse than by 35° wait off the map until they are better.
+//! **Limits.** Who is not on the map is found to be so only by contradiction. Who knows his direction worse than by 20° is on no
+//! roadway before he has walked straight for some metres.
 
 mod branch;
 mod hypothesis;
@@ -54,8 +55,10 @@ const TRUSTED_M: f64 = 200.0;
 const FORGOTTEN: f64 = 0.25;
 /// Most doublings.
 const WIDER: u32 = 6;
+/// Standard deviation of a direction of which nothing is known: π/√3, rad.
+const ANYHOW_RAD: f64 = 1.8;
 /// The same where measurements contradict: a cage may have taken somebody to another level.
-const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.5);
+const CARRIED_AWAY: (f64, f64, f64) = (50.0, 100.0, 0.3);
 
 /// What a bank goes by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -113,7 +116,7 @@ pub struct Bank {
 impl Bank {
     /// Without anybody in it; without roadways one filter.
     pub fn new(params: BankParams, roadways: Option<Arc<Roadways>>) -> Self {
-        let mut bank = Self {
+        Self {
             hypotheses: Vec::new(),
             params,
             roadways,
@@ -128,9 +131,7 @@ impl Bank {
             reopened_m: f64::MAX,
             reopened: 0,
             factor: (1.0, 0.0),
-        };
-        bank.hypotheses.reserve_exact(bank.room());
-        bank
+        }
     }
 
     /// Gives a bank that was read back its roadways again: those that it had. A hypothesis on what they do not have is off the map.
@@ -146,8 +147,6 @@ impl Bank {
             }
         }
         self.roadways = roadways;
-        let room = self.room();
-        self.hypotheses.reserve_exact(room.saturating_sub(self.hypotheses.len()));
     }
 
     /// Most hypotheses that there can be.
@@ -319,7 +318,9 @@ impl Bank {
         let mut held = self.hypotheses.iter().filter(on_map).peekable();
         if held.peek().is_some() && held.all(|hypothesis| hypothesis.strain > CONTRADICTED) {
             let wider = f64::from(1_u32 << self.reopened.min(WIDER));
-            self.reopen(REOPENED.0 * wider, REOPENED.1 * wider * wider, REOPENED.2);
+            // A direction is the last thing to be doubted.
+            let turned_rad = (REOPENED.2 * (wider / 4.0).max(1.0)).min(ANYHOW_RAD);
+            self.reopen(REOPENED.0 * wider, REOPENED.1 * wider * wider, turned_rad);
             self.reopened += 1;
         }
     }

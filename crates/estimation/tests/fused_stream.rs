@@ -1,0 +1,91 @@
+//! `fused` as a stream: what was kept in between, and what comes twice, changes nothing.
+#![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+#[path = "support/wearer.rs"]
+mod wearer;
+
+use adit_core::solution::Solution;
+use adit_estimation::methods::fused::{Fused, FusedParams};
+use adit_observation::Observation;
+use wearer::{log, settings, two_level, wearers};
+
+/// Epochs of ranges, Hz.
+const RANGING_HZ: f64 = 2.0;
+
+fn feed(method: &mut Fused, log: &[Observation], solutions: &mut Vec<Solution>) {
+    for observation in log {
+        let mut due = method.observe(observation).unwrap();
+        while let Some(solution) = due {
+            solutions.push(solution);
+            due = method.next_due().unwrap();
+        }
+    }
+}
+
+fn end(mut method: Fused, mut solutions: Vec<Solution>) -> Vec<String> {
+    while let Some(solution) = method.finish_next().unwrap() {
+        solutions.push(solution);
+    }
+    // Numbers in JSON are the shortest that read back to the same bits.
+    solutions.iter().map(|solution| serde_json::to_string(solution).unwrap()).collect()
+}
+
+fn whole(settings: &FusedParams, log: &[Observation]) -> Vec<String> {
+    let (mut method, mut solutions) = (Fused::new(settings.clone()).unwrap(), Vec::new());
+    feed(&mut method, log, &mut solutions);
+    end(method, solutions)
+}
+
+/// Kept as JSON and read back this often.
+fn split(settings: &FusedParams, log: &[Observation], parts: usize) -> Vec<String> {
+    let (mut method, mut solutions) = (Fused::new(settings.clone()).unwrap(), Vec::new());
+    for part in log.chunks(log.len() / parts) {
+        feed(&mut method, part, &mut solutions);
+        let kept = serde_json::to_string(&method).unwrap();
+        method = serde_json::from_str(&kept).unwrap();
+        method.attach(settings).unwrap();
+    }
+    end(method, solutions)
+}
+
+#[test]
+fn a_run_that_was_kept_in_between_is_the_whole_run() {
+    let mine = two_level();
+    for (mount, worn) in wearers() {
+        let log = log(&mine, mount, RANGING_HZ);
+        let settings = settings(&mine, worn);
+        let whole = whole(&settings, &log);
+        assert!(whole.len() > 60, "{} solutions", whole.len());
+        assert!(whole == split(&settings, &log, 13), "{worn:?}");
+        // One kept within the half second that it looks at.
+        let mut first = log.clone();
+        first.truncate(30);
+        assert!(self::whole(&settings, &first) == split(&settings, &first, 3), "{worn:?}");
+    }
+}
+
+#[test]
+fn what_comes_twice_counts_once() {
+    let mine = two_level();
+    for (mount, worn) in wearers() {
+        let log = log(&mine, mount, RANGING_HZ);
+        let settings = settings(&mine, worn);
+        let mut twice = Vec::new();
+        for (index, observation) in log.iter().enumerate() {
+            twice.push(observation.clone());
+            // At once; and what came by radio once more when ten others have come.
+            twice.push(observation.clone());
+            let before = index.checked_sub(10).map(|index| &log[index]);
+            twice.extend(before.filter(|before| !before.kind().is_wired()).cloned());
+        }
+        assert!(whole(&settings, &log) == whole(&settings, &twice), "{worn:?}");
+        // The copies would tell otherwise: other ones of a range do.
+        let moved = log.iter().cloned().map(|mut observation| {
+            if let Observation::Range(range) = &mut observation {
+                range.range_m += 1e-6;
+            }
+            observation
+        });
+        assert!(whole(&settings, &log) != whole(&settings, &moved.collect::<Vec<_>>()), "{worn:?}");
+    }
+}
