@@ -67,7 +67,7 @@ pub struct Recorder {
     segments: Vec<Segment>,
 }
 
-/// One line of a bank from its start to its end, or to where it was opened again.
+/// One line of a bank from its start to its end, or to where it was started anew.
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// The instant of its start.
