@@ -11,11 +11,11 @@
 //!
 //! While it runs forward every hypothesis leaves a record at each step, with the one before it as parent. Branches share their parents' records; of two that merge the heavier
 //! one's are kept; records that nobody descends from are thrown away from time to time. At the end the line of the most likely hypothesis is followed back. Whatever changes a hypothesis between
-//! two steps (measurements, roadways, merging) is what was learnt there. A bank that is opened again begins a new [`Segment`]: what is before is not
-//! corrected by what is after.
+//! two steps (measurements, roadways, merging) is what was learnt there. A bank that finds itself contradicted and opens again has walked on by a large
+//! error of one moment; one that is started anew begins a new [`Segment`]: what is before is not corrected by what is after.
 
 use super::motion::Motion;
-use super::state::{Covariance, STATES, State, Stretch, Vector, symmetrise};
+use super::state::{Covariance, FACTOR, STATES, State, Stretch, Vector, symmetrise};
 use adit_core::nalgebra::Vector2;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -42,10 +42,18 @@ struct Step {
     /// Before it, all measurements taken.
     mean: Vector,
     covariance: [f64; PACKED],
-    stretch: Stretch,
-    roadway: Option<Vector2<f64>>,
+    passage: Passage,
     /// After it.
     predicted: Vector,
+}
+
+/// How a state came to be another.
+#[derive(Debug, Clone)]
+enum Passage {
+    /// Along a stretch, on a roadway in this direction if on any.
+    Way(Stretch, Option<Vector2<f64>>),
+    /// The bank was opened again: variances that were added, and whether the factor was forgotten before.
+    Opened(Vector, bool),
 }
 
 /// Keeps what a bank does.
@@ -59,7 +67,7 @@ pub struct Recorder {
     segments: Vec<Segment>,
 }
 
-/// One line of a bank from its start to its end, or to where it was opened again.
+/// One line of a bank from its start to its end, or to where it was started anew.
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// The instant of its start.
@@ -77,15 +85,24 @@ impl Recorder {
         (stretch, roadway): (&Stretch, Option<&Vector2<f64>>),
         after: &State,
     ) -> Option<u32> {
+        self.push(parent, before, Passage::Way(*stretch, roadway.copied()), after)
+    }
+
+    /// All hypotheses have become one, of which less is known: it has the line of the most likely.
+    pub(super) fn reopen(&mut self, parent: Option<u32>, before: &State, after: &State) -> Option<u32> {
+        let forgotten = after.factor.to_bits() != before.factor.to_bits();
+        let mut added = after.covariance.diagonal() - before.covariance.diagonal();
+        if forgotten {
+            added[FACTOR] = after.covariance[(FACTOR, FACTOR)];
+        }
+        self.push(parent, before, Passage::Opened(added, forgotten), after)
+    }
+
+    fn push(&mut self, parent: Option<u32>, before: &State, passage: Passage, after: &State) -> Option<u32> {
         let name = u32::try_from(self.records.len()).ok()?;
-        let step = Step {
-            to: self.instant,
-            mean: before.mean(),
-            covariance: packed(&before.covariance),
-            stretch: *stretch,
-            roadway: roadway.copied(),
-            predicted: after.mean(),
-        };
+        let covariance = packed(&before.covariance);
+        let step =
+            Step { to: self.instant, mean: before.mean(), covariance, passage, predicted: after.mean() };
         self.records.push(Record { parent, step });
         Some(name)
     }
@@ -170,14 +187,7 @@ impl Step {
     /// The smoothed state before it, from what was learnt of the prediction's error and the smoothed covariance after it.
     fn back(&self, learnt: &Vector, after: &Covariance) -> State {
         let filtered = State::of_mean(&self.mean, unpacked(&self.covariance));
-        let motion = Motion::new(&filtered, &self.stretch, self.roadway.as_ref());
-        let mut noise = Covariance::zeros();
-        motion.spread(&mut noise);
-        let mut transition = Covariance::identity();
-        for mut column in transition.column_iter_mut() {
-            let carried = motion.carry(&column.clone_owned());
-            column.copy_from(&carried);
-        }
+        let (transition, noise) = self.passage.of(&filtered);
         let p = filtered.covariance;
         let carried = transition * p;
         let mut predicted = carried * transition.transpose() + noise;
@@ -189,6 +199,31 @@ impl Step {
         symmetrise(&mut smoothed.covariance);
         smoothed.feed_back(&(gain * learnt));
         smoothed
+    }
+}
+
+impl Passage {
+    /// F and Q.
+    fn of(&self, before: &State) -> (Covariance, Covariance) {
+        let mut transition = Covariance::identity();
+        match self {
+            Self::Way(stretch, roadway) => {
+                let motion = Motion::new(before, stretch, roadway.as_ref());
+                for mut column in transition.column_iter_mut() {
+                    let carried = motion.carry(&column.clone_owned());
+                    column.copy_from(&carried);
+                }
+                let mut noise = Covariance::zeros();
+                motion.spread(&mut noise);
+                (transition, noise)
+            }
+            Self::Opened(added, forgotten) => {
+                if *forgotten {
+                    transition[(FACTOR, FACTOR)] = 0.0;
+                }
+                (transition, Covariance::from_diagonal(added))
+            }
+        }
     }
 }
 

@@ -95,14 +95,10 @@ impl Bank {
     }
 
     /// Starts the bank anew from one state.
-    pub(super) fn open(&mut self, state: State) {
-        if let Some(mut recorder) = self.recorder.take() {
-            recorder.open(self.best().map(|best| (best.lineage, &best.state)));
-            self.recorder = Some(recorder);
-        }
+    pub(super) fn open(&mut self, state: State, lineage: Option<u32>) {
         self.hypotheses.clear();
         let roadways = self.roadways.clone();
-        let fit = roadways.as_deref().and_then(|roadways| self.seed(roadways, &state, 0.0, None));
+        let fit = roadways.as_deref().and_then(|roadways| self.seed(roadways, &state, 0.0, lineage));
         if fit.is_none_or(|fit| fit > BAD_START) {
             self.next_id = self.next_id.wrapping_add(1);
             let off = Hypothesis {
@@ -114,7 +110,7 @@ impl Bank {
                 surprise: 1.0,
                 elsewhere: false,
                 walls: 0.0,
-                lineage: None,
+                lineage,
                 state,
             };
             self.insert(off);

@@ -161,12 +161,17 @@ impl Bank {
         self.reopened_m = f64::MAX;
         self.reopened = 0;
         self.factor = (state.factor, state.covariance[(FACTOR, FACTOR)]);
-        self.open(state);
+        if let Some(mut recorder) = self.recorder.take() {
+            recorder.open(self.best().map(|best| (best.lineage, &best.state)));
+            self.recorder = Some(recorder);
+        }
+        self.open(state, None);
     }
 
     /// Knows nothing of where the walker went for a while: standard deviations that are added on the level (m), upwards (m), to the direction (rad); and all roadways in reach.
     pub fn reopen(&mut self, level_m: f64, up_m: f64, direction_rad: f64) {
         let Some(mut state) = self.collapsed() else { return };
+        let before = self.recorder.as_ref().map(|_| state.clone());
         let p = &mut state.covariance;
         for (index, sigma) in [(EAST, level_m), (NORTH, level_m), (UP, up_m), (HEADING, direction_rad)] {
             p[(index, index)] += sigma * sigma;
@@ -180,7 +185,11 @@ impl Bank {
         }
         self.lost = true;
         self.reopened_m = 0.0;
-        self.open(state);
+        let mut lineage = self.best().and_then(|best| best.lineage);
+        if let (Some(recorder), Some(before)) = (&mut self.recorder, before) {
+            lineage = recorder.reopen(lineage, &before, &state);
+        }
+        self.open(state, lineage);
     }
 
     /// Takes a stretch of the carrier's way.
