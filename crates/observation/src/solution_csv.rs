@@ -8,7 +8,6 @@
 //! | `qw,qx,qy,qz` | attitude, scalar first, body to navigation frame |
 //! | `quality` | `fixed`, `dead-reckoning` or `lost` |
 //! | `cov_x_x_m2` … `cov_rz_rz_rad2` | upper triangle, row by row, of the covariance of position (`x y z`), velocity (`vx vy vz`) and attitude error (rotation vector in the navigation frame, `rx ry rz`) |
-//!
 //! | `radius_95_m,protection_level_m` | level circles about the position: with 95 % probability, and with all but the integrity risk of 0.1 % |
 //!
 //! All columns but the last two are needed, in any order; others are ignored. Numbers are written as the shortest decimal that reads back the same.
