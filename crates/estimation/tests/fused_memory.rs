@@ -17,7 +17,7 @@ const RANGING_HZ: f64 = 10.0;
 const WALKERS: usize = 10;
 
 #[test]
-fn a_walker_takes_sixteen_kibibytes() {
+fn a_walker_takes_kibibytes_and_a_site_is_there_once() {
     let mine = two_level();
     for (mount, worn) in wearers() {
         let (log, settings) = (log(&mine, mount, RANGING_HZ), settings(&mine, worn));
@@ -41,8 +41,8 @@ fn a_walker_takes_sixteen_kibibytes() {
         let (typical, worst) = (settled[settled.len() / 2], settled[settled.len() - 1]);
         println!("{worn:?}: {typical} bytes a walker, at most {worst}");
         drop(profiler);
-        if worn == Worn::Body {
-            assert!(typical <= 16 * 1024, "{worn:?}: {typical} bytes");
-        }
+        // What docs/performance.md says of it; the roadways' map of the radio alone takes 9 MiB.
+        let most = if worn == Worn::Foot { 28 * 1024 } else { 36 * 1024 };
+        assert!(typical <= most, "{worn:?}: {typical} bytes");
     }
 }

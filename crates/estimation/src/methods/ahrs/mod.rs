@@ -127,7 +127,14 @@ impl Ahrs {
         &mut self,
         recorder: &mut impl AhrsRecorder,
     ) -> Result<Option<Time>, MethodError> {
-        if self.held.is_empty() { Ok(None) } else { self.work_off(false, recorder) }
+        if !self.held.is_empty() {
+            return self.work_off(false, recorder);
+        }
+        if self.held.capacity() > 0 {
+            // There is nothing to hold until the next gap.
+            self.held = VecDeque::new();
+        }
+        Ok(None)
     }
 
     /// [`Self::finish_next`] in the same way.
@@ -168,8 +175,6 @@ impl Ahrs {
                 return Ok(Some(time));
             }
         }
-        // There is nothing to hold until the next gap.
-        self.held = VecDeque::new();
         Ok(None)
     }
 

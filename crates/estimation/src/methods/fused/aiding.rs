@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 /// What may wait; with more, the oldest are dropped: ten seconds of ranges, pressures and positions.
 const MOST: usize = 256;
 
+/// For so many room is kept.
+const ROOM: usize = 8;
+
 /// An observation of the place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Aiding {
@@ -81,6 +84,14 @@ impl Waiting {
     /// The oldest that is due.
     #[inline]
     pub fn pop(&mut self, now: Time) -> Option<Aiding> {
-        if self.is_due(now) { self.held.pop_front() } else { None }
+        if !self.is_due(now) {
+            return None;
+        }
+        let oldest = self.held.pop_front();
+        if self.held.capacity() > 4 * self.held.len().max(ROOM) {
+            // A gap of the carrier is over.
+            self.held.shrink_to(2 * self.held.len().max(ROOM));
+        }
+        oldest
     }
 }

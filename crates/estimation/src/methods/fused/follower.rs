@@ -36,6 +36,8 @@ use serde::{Deserialize, Serialize};
 
 /// The place filter moves no more often: what a carrier does within is a straight line to it.
 pub(super) const TICK: Interval = Interval::from_nanos(95_000_000);
+/// Heights are taken no more often, s: what the air errs lasts.
+const HEIGHTS_S: f64 = 1.0;
 /// Height of a tag on a foot above the floor, m.
 const FOOT_M: f64 = 0.1;
 /// A height that is known is known to this, m.
@@ -78,6 +80,8 @@ pub struct Follower {
     pub(super) ranged_until: Option<Time>,
     pub(super) outliers: u32,
     pub(super) pressure_pa: Option<f64>,
+    /// Time of the last pressure that was taken.
+    pressed: Option<Time>,
     /// The last height by the barometer that was taken, m.
     pub(super) height: Option<(Time, f64)>,
     pub(super) told: Option<Time>,
@@ -136,6 +140,7 @@ impl Follower {
             ranged_until: None,
             outliers: 0,
             pressure_pa: None,
+            pressed: None,
             height: None,
             told: None,
         })
@@ -181,8 +186,12 @@ impl Follower {
             Observation::Fix(fix) if fix.fault().is_none() => self.waiting.push(Aiding::Fix(*fix), report),
             Observation::Pressure(pressure) => {
                 let first_pa = *self.pressure_pa.get_or_insert(pressure.pressure_pa);
-                let height_m = height_by_pressure(pressure.pressure_pa, first_pa);
-                self.waiting.push(Aiding::Height { time: pressure.time, height_m }, report);
+                let soon = |before: Time| (pressure.time - before).seconds() < HEIGHTS_S;
+                if !self.pressed.is_some_and(soon) {
+                    self.pressed = Some(pressure.time);
+                    let height_m = height_by_pressure(pressure.pressure_pa, first_pa);
+                    self.waiting.push(Aiding::Height { time: pressure.time, height_m }, report);
+                }
             }
             Observation::Sighting(sighting) => {
                 let known = self.readers.iter().position(|reader| reader.id == sighting.reader.as_str());

@@ -13,8 +13,6 @@ use adit_core::time::{Interval, Time};
 use adit_observation::{FixSource, PositionFix};
 use alloc::vec::Vec;
 
-/// Heights are taken no more often, s: what the air errs lasts.
-const HEIGHTS_S: f64 = 1.0;
 /// People climb no faster, m/s; a height that changes by more than this beside, m, is a door.
 const CLIMB_M_S: f64 = 0.7;
 const DOOR_M: f64 = 0.7;
@@ -66,9 +64,6 @@ impl Follower {
     pub(super) fn hold_height(&mut self, time: Time, height_m: f64, back: &Back) {
         if let Some((before, from_m)) = self.height {
             let interval_s = (time - before).seconds();
-            if interval_s < HEIGHTS_S {
-                return;
-            }
             let step_m = height_m - from_m;
             if step_m.abs() > DOOR_M + CLIMB_M_S * interval_s {
                 self.bank.walk(&Stretch::jump(step_m * step_m));

@@ -32,6 +32,8 @@ const LEAST_DB2: f64 = 0.1;
 const MOST_OFF: f64 = 9.0;
 /// Readings whose shadowing is this much alike still tell it from fading.
 const ALIKE: f64 = 0.3;
+/// Transmitters of which the last reading is remembered.
+const MOST: usize = 32;
 /// A reading that repeats the one before is still one.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -41,7 +43,8 @@ pub struct Signals {
     /// Number of the transmitter of each name, by name.
     names: Arc<[(DeviceId, usize)]>,
     emitters: Arc<[Emitter]>,
-    last: Vec<Option<Heard>>,
+    /// The last reading of each transmitter that was heard lately.
+    last: Vec<Heard>,
     correlation_m: f64,
     correlation_s: f64,
     /// V and `σ_s²`, dB².
@@ -53,6 +56,7 @@ pub struct Signals {
 /// A reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Heard {
+    transmitter: usize,
     time: Time,
     way_m: Vector3<f64>,
     off_db: f64,
@@ -90,7 +94,7 @@ impl Signals {
         let sigma_db = emitters.first().map_or(params.locator.sigma_db, |emitter| emitter.sigma_db);
         Some(Self {
             names: names.into(),
-            last: alloc::vec![None; emitters.len()],
+            last: Vec::new(),
             emitters,
             correlation_m: params.correlation_m,
             correlation_s: params.correlation_s,
@@ -115,7 +119,7 @@ impl Signals {
     /// What a reading of a transmitter is expected to err; `way_m` is the way of the carrier.
     pub fn expect(&self, transmitter: usize, time: Time, way_m: &Vector3<f64>) -> Option<Expected> {
         let emitter = *self.emitters.get(transmitter)?;
-        let last = self.last.get(transmitter)?;
+        let last = self.last.iter().find(|last| last.transmitter == transmitter);
         let (alike, before_db) = last.map_or((0.0, 0.0), |last| {
             let walked = (way_m - last.way_m).xy().norm() / self.correlation_m;
             let passed = (time - last.time).seconds().abs() / self.correlation_s;
@@ -132,6 +136,19 @@ impl Signals {
         })
     }
 
+    /// In place of the reading before, or of the oldest one: who walks leaves one transmitter after the other behind.
+    fn remember(&mut self, heard: Heard) {
+        let full = self.last.len() >= MOST;
+        let known = self.last.iter_mut().find(|last| last.transmitter == heard.transmitter);
+        if let Some(last) = known {
+            *last = heard;
+        } else if let Some(oldest) = self.last.iter_mut().min_by_key(|last| last.time).filter(|_| full) {
+            *oldest = heard;
+        } else {
+            self.last.push(heard);
+        }
+    }
+
     /// A reading was off by so much, dB, where so much was expected of the place alone, dB².
     pub fn learn(
         &mut self,
@@ -140,9 +157,7 @@ impl Signals {
         off_db: f64,
         of_place_db2: f64,
     ) {
-        if let Some(last) = self.last.get_mut(transmitter) {
-            *last = Some(Heard { time, way_m, off_db });
-        }
+        self.remember(Heard { transmitter, time, way_m, off_db });
         let most = MOST_OFF * (self.whole_db2 + of_place_db2);
         let shown = ((off_db * off_db).min(most) - of_place_db2).max(0.0);
         let [whole, parts] = &mut self.learnt;

@@ -20,6 +20,8 @@ use serde::{Deserialize, Serialize};
 
 /// Intervals remembered: 25 s at five a second, four times the longest that a step can be late.
 const REMEMBERED: usize = 128;
+/// Intervals for which room is kept beside those that there are.
+const ROOM: usize = 6;
 /// Upward part of a unit vector that is too steep to begin with (50°), and of one that has become so (65°).
 const STEEP: f64 = 0.766;
 const TOO_STEEP: f64 = 0.906;
@@ -78,6 +80,16 @@ impl Course {
     pub fn at(&self, time: Time) -> Option<&Leg> {
         let after = self.legs.partition_point(|leg| leg.end < time);
         self.legs.get(after).or_else(|| self.legs.back())
+    }
+
+    /// What was before a time is not asked for any more, nor what the principal axis looked at then.
+    pub fn forget(&mut self, before: Time) {
+        let from = before - Interval::from_seconds(AXIS_S).unwrap_or_default();
+        let old = self.legs.partition_point(|leg| leg.end < from).min(self.legs.len().saturating_sub(1));
+        self.legs.drain(..old);
+        if self.legs.capacity() > self.legs.len() + 2 * ROOM {
+            self.legs.shrink_to(self.legs.len() + ROOM);
+        }
     }
 
     /// Heading of the body's x axis at the start, rad; `None` without an attitude.

@@ -263,6 +263,9 @@ impl Pdr {
             self.velocity_m_s = Vector2::zeros();
             self.stand(settled)?;
         }
+        if let Some(time) = self.time {
+            self.course.forget(time);
+        }
         Ok(())
     }
 

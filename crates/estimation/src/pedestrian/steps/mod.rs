@@ -41,8 +41,6 @@ use zero_crossing::ZeroCrossing;
 pub const BIN_S: f64 = 0.04;
 /// The same as an interval.
 const BIN: Interval = Interval::from_nanos(40_000_000);
-/// More than any detector tells at once.
-const MOST_DUE: usize = 64;
 
 /// One step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -81,7 +79,7 @@ impl StepDetector {
         Self {
             grid: NormGrid::default(),
             stage: Stage::new(params),
-            due: VecDeque::with_capacity(MOST_DUE),
+            due: VecDeque::new(),
             settled: None,
             params: params.clone(),
         }
