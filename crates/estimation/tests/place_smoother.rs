@@ -212,7 +212,7 @@ impl Blackout {
         assert_eq!(states.len(), truth.len());
         let dark = DARK_S.map(|second| (states[second + 1].position_m - truth[second + 1]).xy());
         let smoothed_m = dark.map(|off| off.norm()).fold(0.0, f64::max);
-        let middle = (DARK_S.start + DARK_S.end) / 2;
+        let middle = usize::midpoint(DARK_S.start, DARK_S.end);
         let off = (states[middle].position_m - truth[middle]).xy();
         let p = states[middle].covariance.fixed_view::<2, 2>(EAST, EAST).into_owned();
         Judged { streamed_m, smoothed_m, nees: off.dot(&p.cholesky().unwrap().solve(&off)) }

@@ -17,7 +17,6 @@
 use super::motion::Motion;
 use super::state::{Covariance, FACTOR, STATES, State, Stretch, Vector, symmetrise};
 use adit_core::nalgebra::Vector2;
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// Numbers of a symmetric matrix.
@@ -123,10 +122,8 @@ impl Recorder {
                 next = self.records[name as usize].parent;
             }
         }
-        let mut kept = 0;
-        for name in names.iter_mut().flatten() {
+        for (kept, name) in (0..).zip(names.iter_mut().flatten()) {
             *name = kept;
-            kept += 1;
         }
         let renamed = |name: Option<u32>| name.and_then(|name| names.get(name as usize).copied().flatten());
         let mut index = 0;
@@ -158,7 +155,7 @@ impl Recorder {
     }
 
     /// All segments, in order of time, the last one with this end.
-    pub(super) fn finish(mut self: Box<Self>, best: Option<(Option<u32>, &State)>) -> Vec<Segment> {
+    pub(super) fn finish(mut self, best: Option<(Option<u32>, &State)>) -> Vec<Segment> {
         self.open(best);
         self.segments
     }
@@ -186,7 +183,7 @@ impl Segment {
 impl Step {
     /// The smoothed state before it, from what was learnt of the prediction's error and the smoothed covariance after it.
     fn back(&self, learnt: &Vector, after: &Covariance) -> State {
-        let filtered = State::of_mean(&self.mean, unpacked(&self.covariance));
+        let filtered = State::of_mean(&self.mean, &unpacked(&self.covariance));
         let (transition, noise) = self.passage.of(&filtered);
         let p = filtered.covariance;
         let carried = transition * p;

@@ -425,7 +425,7 @@ impl State {
     }
 
     /// The state of such a vector.
-    pub(super) fn of_mean(mean: &Vector, covariance: Covariance) -> Self {
+    pub(super) fn of_mean(mean: &Vector, covariance: &Covariance) -> Self {
         Self {
             position_m: mean.fixed_rows::<3>(EAST).into_owned(),
             turn_rad: mean[TURN] + mean[HEADING],
@@ -436,7 +436,7 @@ impl State {
             common_m: mean[COMMON],
             clock_s: mean[CLOCK],
             hearing_db: mean[HEARING],
-            covariance,
+            covariance: *covariance,
         }
     }
 

@@ -65,7 +65,9 @@ fn of_one(
 ) -> (Vec<Solution>, FusedReport) {
     let warnings = warnings.to_vec();
     let mut report = FusedReport { process: Some(process), warnings, ..FusedReport::default() };
-    solutions.iter().for_each(|solution| report.count(solution));
+    for solution in &solutions {
+        report.count(solution);
+    }
     (solutions, report)
 }
 
