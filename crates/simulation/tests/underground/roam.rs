@@ -158,7 +158,7 @@ fn what_is_wrong_is_named() {
     ] {
         let told = match refused(roam) {
             SimulationError::Parameter { name, found, .. } => Some((name, found)),
-            _ => None,
+            SimulationError::Unknown { .. } => None,
         };
         assert_eq!(told, Some((name, found)));
     }
