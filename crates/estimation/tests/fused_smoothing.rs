@@ -50,7 +50,7 @@ fn a_foot_alone_is_smoothed_as_foot_ins_smooths_it() {
 struct Dark {
     walk: Walk,
     log: Vec<Observation>,
-    dark_s: (f64, f64),
+    hidden_s: (f64, f64),
 }
 
 const FIX_M: f64 = 0.3;
@@ -88,7 +88,7 @@ impl Dark {
                 }
             }
         }
-        Self { walk, log, dark_s }
+        Self { walk, log, hidden_s: dark_s }
     }
 
     /// Largest errors in the dark and of all, m; how many were judged.
@@ -100,7 +100,7 @@ impl Dark {
             let place_m = there.position_m.xy() + Vector2::new(400.0, -90.0);
             let off_m = (solution.position_m.xy() - place_m).norm();
             let time_s = solution.time.seconds();
-            if time_s > self.dark_s.0 && time_s < self.dark_s.1 {
+            if time_s > self.hidden_s.0 && time_s < self.hidden_s.1 {
                 dark_m = dark_m.max(off_m);
             }
             all_m = all_m.max(off_m);
