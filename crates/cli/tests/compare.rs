@@ -58,8 +58,8 @@ fn s0_over_a_few_seeds_is_within_its_limits() {
 
     let page = std::fs::read_to_string(folder.path().join("s0.html")).unwrap();
     assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
-    // Path, three errors over time, a distribution, NEES of two methods; and nothing from elsewhere.
-    assert_eq!(page.matches("<svg").count(), 7);
+    // Path, three errors over time, a distribution, NEES of three methods; and nothing from elsewhere.
+    assert_eq!(page.matches("<svg").count(), 8);
     for outside in ["http:", "https:", "<script", "<link", "src="] {
         let loads = page.replace("http://www.w3.org/2000/svg", "").contains(outside);
         assert!(!loads, "{outside}");

@@ -21,6 +21,7 @@ fn the_demo_makes_its_own_walk_and_figures() {
         "evaluation.svg",
         "filter.toml",
         "log.mcap",
+        "log.toml",
         "path.svg",
         "truth.tum",
     ];
