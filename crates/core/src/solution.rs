@@ -22,7 +22,7 @@ pub enum Quality {
 
 /// Integrity risk of [`Solution::protection_level_m`]: the share of moments at which the true position may lie outside.
 pub const INTEGRITY_RISK: f64 = 1e-3;
-/// The protection level over the 95 % radius. A normal error would need 1.5; errors of radio and of steps have longer tails. Found over the scenarios
+/// The protection level over the 95 % radius. A normal error would need 1.5; errors of radio and of steps have longer tails: chosen, not proved
 /// (docs/methods/fused.md).
 const PROTECTION: f64 = 3.0;
 

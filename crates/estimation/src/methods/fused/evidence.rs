@@ -53,6 +53,7 @@ pub struct Evidence {
     swinging: u32,
     magnetic: bool,
     ranges: bool,
+    signals: bool,
 }
 
 impl Evidence {
@@ -74,10 +75,8 @@ impl Evidence {
             Observation::Acceleration(_) => self.inertial += 1,
             Observation::Magnetic(_) => self.magnetic = true,
             Observation::Range(_) => self.ranges = true,
-            Observation::Signal(_)
-            | Observation::Fix(_)
-            | Observation::Pressure(_)
-            | Observation::Sighting(_) => {}
+            Observation::Signal(_) => self.signals = true,
+            Observation::Fix(_) | Observation::Pressure(_) | Observation::Sighting(_) => {}
         }
         let looked = self.latest? - self.first?;
         let enough = match params.worn {
@@ -85,6 +84,11 @@ impl Evidence {
             None => looked >= LOOK && (self.ranges || self.inertial == 0 || self.has_moved(looked)),
         };
         (enough || self.kept.len() >= MOST).then(|| self.verdict(params))
+    }
+
+    /// Nothing that a position or an attitude could be made of.
+    pub fn is_empty(&self) -> bool {
+        self.inertial == 0 && !self.ranges && !self.signals
     }
 
     fn has_moved(&self, looked: Interval) -> bool {

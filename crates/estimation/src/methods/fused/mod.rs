@@ -183,6 +183,9 @@ impl Fused {
     fn begin(&mut self, process: Process) -> Result<(), MethodError> {
         self.report.process = Some(process);
         let Stage::Looking(looking) = &self.stage else { return Ok(()) };
+        if looking.1.is_empty() {
+            return Err(MethodError::Empty);
+        }
         let params = &looking.0;
         let stage = match process {
             Process::Carried(kind) => {
