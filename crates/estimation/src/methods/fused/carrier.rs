@@ -26,11 +26,11 @@ pub enum Carrier {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CarrierKind {
-    /// [`Carrier::Foot`].
+    /// Strapdown on the foot.
     Foot,
-    /// [`Carrier::Marg`].
+    /// The same with a magnetometer.
     Marg,
-    /// [`Carrier::Steps`].
+    /// Steps of a tag on the body.
     Steps,
 }
 
