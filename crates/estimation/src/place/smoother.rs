@@ -6,7 +6,7 @@
 //! Pˢ = (I − C F) P (I − C F)ᵀ + C (Pˢ⁺ + Q) Cᵀ
 //! ```
 //!
-//! Rauch, Tung & Striebel 1965; Särkkä 2013, eq. 8.6, with the covariance as a sum of squares, which rounding leaves positive. F and Q are those of [`Motion`] at the filtered
+//! Rauch, Tung & Striebel 1965; Särkkä 2013, eq. 8.6, with the covariance as a sum of squares, which rounding leaves positive. F and Q are those of `Motion` at the filtered
 //! state: what the filter did is not linearised anew.
 //!
 //! While it runs forward every hypothesis leaves a record at each step, with the one before it as parent. Branches share their parents' records; of two that merge the heavier
