@@ -5,6 +5,7 @@
 mod wearer;
 
 use adit_core::solution::Solution;
+use adit_estimation::methods::MethodError;
 use adit_estimation::methods::fused::{Fused, FusedParams};
 use adit_observation::Observation;
 use wearer::{log, settings, two_level, wearers};
@@ -23,11 +24,16 @@ fn feed(method: &mut Fused, log: &[Observation], solutions: &mut Vec<Solution>) 
 }
 
 fn end(mut method: Fused, mut solutions: Vec<Solution>) -> Vec<String> {
-    while let Some(solution) = method.finish_next().unwrap() {
-        solutions.push(solution);
-    }
+    let refused = loop {
+        match method.finish_next() {
+            Ok(Some(solution)) => solutions.push(solution),
+            Ok(None) => break None,
+            Err(error) => break Some(error.to_string()),
+        }
+    };
     // Numbers in JSON are the shortest that read back to the same bits.
-    solutions.iter().map(|solution| serde_json::to_string(solution).unwrap()).collect()
+    let told = solutions.iter().map(|solution| serde_json::to_string(solution).unwrap());
+    told.chain(refused).collect()
 }
 
 fn whole(settings: &FusedParams, log: &[Observation]) -> Vec<String> {
@@ -57,10 +63,27 @@ fn a_run_that_was_kept_in_between_is_the_whole_run() {
         let whole = whole(&settings, &log);
         assert!(whole.len() > 60, "{} solutions", whole.len());
         assert!(whole == split(&settings, &log, 13), "{worn:?}");
+        // Nor does a walker who is not to be held to the roadways find them when he is read back.
+        let mut free = settings.clone();
+        free.place.roadways = false;
+        assert!(self::whole(&free, &log) == split(&free, &log, 13), "{worn:?}");
         // One kept within the half second that it looks at.
         let mut first = log.clone();
         first.truncate(30);
         assert!(self::whole(&settings, &first) == split(&settings, &first, 3), "{worn:?}");
+    }
+}
+
+#[test]
+fn a_walk_that_nothing_places_says_so() {
+    let mine = two_level();
+    for (mount, worn) in wearers() {
+        let mut log = log(&mine, mount, RANGING_HZ);
+        log.retain(|observation| observation.kind().is_wired());
+        let mut method = Fused::new(settings(&mine, worn)).unwrap();
+        feed(&mut method, &log, &mut Vec::new());
+        let told = method.finish_next().unwrap_err();
+        assert_eq!(told, MethodError::NeverPlaced { ranges: 0, signals: 0, fixes: 0 });
     }
 }
 

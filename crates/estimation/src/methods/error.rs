@@ -90,6 +90,18 @@ pub enum MethodError {
         /// The first of them in brackets; empty of none.
         names: String,
     },
+    /// A walk of which nothing tells where on the map it was.
+    #[error(
+        "the walk has no place in the mine: {ranges} ranges, {signals} signal strengths and {fixes} positions with known places in the log do not tell one; without the mine it is told in a frame of its own"
+    )]
+    NeverPlaced {
+        /// Ranges to known anchors.
+        ranges: u64,
+        /// Signal strengths of known transmitters.
+        signals: u64,
+        /// Positions from outside.
+        fixes: u64,
+    },
     /// The log ended before the first sample.
     #[error("the log holds no IMU sample")]
     Empty,

@@ -4,7 +4,7 @@ use super::params::FusedParams;
 use crate::methods::foot_ins::FootIns;
 use crate::methods::marg_ins::MargIns;
 use crate::methods::pdr::{Direction, Pdr};
-use crate::methods::{Method, MethodError};
+use crate::methods::{Method, MethodError, MethodWarning};
 use crate::place::params::CarrierNoise;
 use adit_core::solution::Solution;
 use adit_observation::Observation;
@@ -83,6 +83,15 @@ impl Carrier {
     /// Whether that magnetometer goes on holding the heading.
     pub fn is_held_magnetic(&self) -> bool {
         !matches!(self, Self::Foot(_)) && self.is_magnetic()
+    }
+
+    /// What its own run has to say.
+    pub fn warnings(&self) -> &[MethodWarning] {
+        match self {
+            Self::Foot(foot) => &foot.report().warnings,
+            Self::Marg(marg) => &marg.report().warnings,
+            Self::Steps(steps) => &steps.report().warnings,
+        }
     }
 
     /// One observation in, at most one solution out.

@@ -18,6 +18,7 @@ use crate::methods::pdr::radio::RadioFixes;
 use crate::methods::pdr::search::Search;
 use crate::place::bank::{Bank, BankParams, Estimate};
 use crate::place::params::{CarrierNoise, PlaceParams};
+use crate::place::roadways::Roadways;
 use crate::place::state::Back;
 use crate::place::state::{HeadingError, Stretch};
 use crate::place::trail::Trail;
@@ -115,10 +116,7 @@ impl Follower {
             start: params.start,
             starts_on_map: carrier.starts_on_map(params),
             mounted: carrier.is_mounted(params),
-            bank: Bank::new(
-                bank_params(params, carrier),
-                site.filter(|_| params.place.roadways).and_then(|site| site.roadways.clone()),
-            ),
+            bank: Bank::new(bank_params(params, carrier), roadways(params)),
             estimate: None,
             search: None,
             searched: None,
@@ -209,9 +207,10 @@ impl Follower {
                 self.waiting.push(Aiding::Ranges(epoch), report);
             }
         }
+        let alone = self.takes_signals_alone();
         if let Some(radio) = &mut self.radio
             && !matches!(observation, Observation::Range(_))
-            && !(self.signals.is_some() && self.bank.best().is_some())
+            && !alone
         {
             while let Some(fix) = radio.due(observation.time()) {
                 self.waiting.push(Aiding::Radio(fix), report);
@@ -227,18 +226,14 @@ impl Follower {
         while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
             self.waiting.push(Aiding::Radio(fix), report);
         }
-        if let Some(ranges) = &self.ranges {
-            report.ranges = Some(ranges.heard().clone());
-        }
-        if let Some(radio) = &self.radio {
-            report.signals = Some(radio.report().clone());
-        }
+        report.ranges = self.ranges.as_ref().map(|ranges| ranges.heard().clone());
+        report.signals = self.radio.as_ref().map(|radio| radio.report().clone());
     }
 
     /// Gives a follower that was read back its site again: that of the settings it began with, shared with others there.
     pub fn attach(&mut self, params: &FusedParams) -> Result<(), MethodError> {
         let ears = Ears::new(params)?;
-        self.bank.attach(params.site.as_ref().and_then(|site| site.roadways.clone()));
+        self.bank.attach(roadways(params));
         if let (Some(own), Some(shared)) = (&mut self.ranges, &ears.ranges) {
             own.share(shared);
         }
@@ -368,6 +363,11 @@ impl Follower {
         self.told = Some(now.time);
         Ok(Some(solution))
     }
+}
+
+/// The roadways that hold the walker, where the settings let them.
+fn roadways(params: &FusedParams) -> Option<Arc<Roadways>> {
+    params.site.as_ref().filter(|_| params.place.roadways)?.roadways.clone()
 }
 
 /// How the bank takes this carrier's way, and how high its tag is.

@@ -42,7 +42,7 @@ impl Follower {
                 self.hold_signal(*time, *transmitter, *rssi_dbm, &back, report);
             }
             // Once there is a place each signal is held against it by itself.
-            Aiding::Radio(_) if self.is_placed() && self.signals.is_some() => {}
+            Aiding::Radio(_) if self.takes_signals_alone() => {}
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
                 let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);

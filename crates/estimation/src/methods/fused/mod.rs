@@ -41,6 +41,8 @@ use crate::methods::ins_wifi::{InsWifi, Reduced, reduced};
 use crate::methods::uwb_filter::UwbFilter;
 use crate::methods::wifi::Wifi;
 use crate::methods::{Method, MethodError, MethodReport};
+use crate::radio::HeardReport;
+use crate::ranging::listener::RangesHeard;
 use adit_core::solution::{Quality, Solution};
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -161,6 +163,12 @@ impl Fused {
                 {
                     due.extend(follower.reckon(carrier, reckoned, report)?);
                 }
+                if due.is_empty() {
+                    report.hear_out(carrier);
+                    if report.solutions == 0 {
+                        return Err(report.never_placed());
+                    }
+                }
             }
             Stage::Strapdown(method) => due.extend(ended(method.as_mut(), report)?),
             Stage::Ranges(method) => due.extend(ended(method.as_mut(), report)?),
@@ -266,6 +274,22 @@ fn ended(method: &mut impl Method, report: &mut FusedReport) -> Result<Option<So
 }
 
 impl FusedReport {
+    /// What the carrier and those who listened have to say at the end.
+    fn hear_out(&mut self, carrier: &Carrier) {
+        self.warnings = carrier.warnings().to_vec();
+        self.warnings.extend(self.ranges.as_ref().and_then(RangesHeard::warning));
+        self.warnings.extend(self.signals.as_ref().and_then(HeardReport::warning));
+    }
+
+    /// Why a walk was told nowhere on the map.
+    fn never_placed(&self) -> MethodError {
+        MethodError::NeverPlaced {
+            ranges: self.ranges.as_ref().map_or(0, |heard| heard.ranges - heard.unknown_ranges),
+            signals: self.signals.as_ref().map_or(0, |heard| heard.signals - heard.unknown_signals),
+            fixes: self.fixes,
+        }
+    }
+
     fn count(&mut self, solution: &Solution) {
         self.solutions += 1;
         self.reckoned_solutions += u64::from(solution.quality == Quality::DeadReckoning);

@@ -12,6 +12,7 @@
 use super::carrier::{Carrier, CarrierKind};
 use super::evidence::{Evidence, Process};
 use super::follower::{Follower, TICK, Walked};
+use super::repeats::Repeats;
 use super::{Fused, FusedParams, FusedReport};
 use crate::methods::{Method, MethodError, MethodReport, MethodWarning, ahrs, foot_ins};
 use crate::place::smoother::Segment;
@@ -129,7 +130,11 @@ impl Run {
     }
 
     fn forward(&mut self, log: &[Observation], progress: &mut dyn FnMut(usize)) -> Result<(), MethodError> {
+        let mut repeats = Repeats::default();
         for (index, observation) in log.iter().enumerate() {
+            if repeats.is_repeated(observation) {
+                continue;
+            }
             self.follower.observe(observation, &mut self.report);
             let mut reckoned = self.carrier.observe(observation)?;
             while let Some(now) = reckoned {
@@ -144,6 +149,7 @@ impl Run {
         while let Some(now) = self.carrier.finish_next()? {
             self.reckon(now)?;
         }
+        self.report.hear_out(&self.carrier);
         progress(log.len());
         Ok(())
     }
