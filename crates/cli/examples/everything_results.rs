@@ -45,6 +45,10 @@ fn figure(part: &Value) -> Result<String> {
     Ok(format!("{}, {}", text(part, "figure_words")?, text(part, "unit")?))
 }
 
+fn is_best(part: &Value, name: &str) -> bool {
+    part["best"].as_array().is_some_and(|best| best.iter().any(|one| one == name))
+}
+
 /// What a method reaches in a part: its mean, marked where it is the best, and on how many runs where not on all.
 fn cell(part: &Value, method: &str) -> Option<String> {
     let name = part["table"][method].as_str()?;
@@ -55,7 +59,7 @@ fn cell(part: &Value, method: &str) -> Option<String> {
     if let Some(share) = merit["covered_share"].as_f64().filter(|share| *share < WHOLE) {
         write!(some, " ({:.0} % of the time)", 100.0 * share).ok()?;
     }
-    let best = part["best"].as_str() == Some(name);
+    let best = is_best(part, name);
     Some(if best { format!("**{}**{some}", shown(mean)) } else { format!("{}{some}", shown(mean)) })
 }
 
@@ -136,7 +140,7 @@ fn parts(report: &Value) -> Result<String> {
         rows.sort_by(|a, b| mean(a.1).total_cmp(&mean(b.1)));
         for (name, merit) in rows {
             let number = |at: &str| merit[at].as_f64().map_or_else(|| "–".to_owned(), shown);
-            let best = if part["best"].as_str() == Some(name) { "**" } else { "" };
+            let best = if is_best(part, name) { "**" } else { "" };
             let method = part["methods"][name]["method"].as_str().unwrap_or_default();
             writeln!(
                 out,

@@ -66,8 +66,8 @@ pub struct JudgedPart {
     /// For each method the contender that stands for it in the opening table.
     #[serde(serialize_with = "as_map")]
     pub table: Vec<(String, String)>,
-    /// The best of these, among those that said nearly all the time where they were, and came to the end of as many runs as any.
-    pub best: Option<String>,
+    /// The best of these, among those that said nearly all the time where they were, and came to the end of as many runs as any; all of them where several are equal to the digits shown.
+    pub best: Vec<String>,
     /// How much more the others err than `fused` where it competes, than the best where it does not.
     pub differences: Vec<Difference>,
     /// What was odd.
@@ -159,11 +159,11 @@ impl JudgedPart {
         warnings: Vec<String>,
     ) -> Self {
         let mut part =
-            Self { comparison, run_names, merit, table, best: None, differences: Vec::new(), warnings };
-        part.best = part.best_of_table().map(str::to_owned);
+            Self { comparison, run_names, merit, table, best: Vec::new(), differences: Vec::new(), warnings };
+        part.best = part.best_of_table();
         let first =
             part.table.iter().find(|(method, _)| method == FIRST_CHOICE).map(|(_, name)| name.clone());
-        if let Some(reference) = first.or_else(|| part.best.clone()) {
+        if let Some(reference) = first.or_else(|| part.best.first().cloned()) {
             part.differences = part.against(&reference);
         }
         part
@@ -180,14 +180,18 @@ impl JudgedPart {
         Some((name, self.merit_of(name)?))
     }
 
-    fn best_of_table(&self) -> Option<&str> {
+    fn best_of_table(&self) -> Vec<String> {
         let entered =
             || self.table.iter().filter_map(|(_, name)| Some((name.as_str(), self.merit_of(name)?)));
         let whole = || entered().filter(|(_, merit)| merit.is_whole());
-        let most = whole().map(|(_, merit)| merit.runs).max()?;
-        let whole = whole().filter(|(_, merit)| merit.runs == most);
-        let known = whole.filter_map(|(name, merit)| Some((name, merit.mean?)));
-        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
+        let most = whole().map(|(_, merit)| merit.runs).max();
+        let whole = whole().filter(|(_, merit)| Some(merit.runs) == most);
+        let mut known: Vec<(&str, f64)> =
+            whole.filter_map(|(name, merit)| Some((name, merit.mean?))).collect();
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let least = known.first().map(|(_, mean)| shown(*mean));
+        let equal = known.iter().take_while(|(_, mean)| Some(shown(*mean)) == least);
+        equal.map(|(name, _)| (*name).to_owned()).collect()
     }
 
     fn against(&self, reference: &str) -> Vec<Difference> {
@@ -236,7 +240,7 @@ impl fmt::Display for Suite {
             for (method, name) in &judged.table {
                 let Some(merit) = judged.merit_of(name) else { continue };
                 let value = merit.mean.map_or_else(|| "–".to_owned(), shown);
-                let best = if judged.best.as_ref() == Some(name) { "*" } else { "" };
+                let best = if judged.best.contains(name) { "*" } else { "" };
                 let some =
                     if merit.runs < runs { format!(" ({} of {runs})", merit.runs) } else { String::new() };
                 let silent = merit.covered_share.filter(|_| !merit.is_whole());
@@ -298,7 +302,7 @@ mod tests {
         let table = names.iter().map(|name| (name.clone(), name.clone())).collect();
         let merits = names.iter().cloned().zip(merits).collect();
         let part = JudgedPart::new(comparison, vec!["only".to_owned()], merits, table, Vec::new());
-        assert_eq!(part.best.as_deref(), Some("whole"));
+        assert_eq!(part.best, ["whole"]);
         let difference = part.difference_of("silent").unwrap();
         assert_eq!((difference.minus.as_str(), difference.difference.mean), ("whole", -1.0));
     }

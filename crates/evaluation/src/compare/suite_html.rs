@@ -78,7 +78,7 @@ fn contenders_table(page: &mut String, part: &SuitePart, judged: &JudgedPart) {
     for (name, summary) in &judged.comparison.methods {
         let Some(merit) = judged.merit_of(name) else { continue };
         let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
-        let best = if judged.best.as_ref() == Some(name) { " class=\"best\"" } else { "" };
+        let best = if judged.best.contains(name) { " class=\"best\"" } else { "" };
         let difference = judged.difference_of(name).map_or_else(
             || if reference == Some(name.as_str()) { String::new() } else { "–".to_owned() },
             |d| {
@@ -193,7 +193,7 @@ fn opening(page: &mut String, suite: &Suite) {
                 continue;
             };
             let value = merit.mean.map_or_else(|| "–".to_owned(), shown);
-            let best = if judged.best.as_deref() == Some(name) { " class=\"best\"" } else { "" };
+            let best = if judged.best.iter().any(|best| best == name) { " class=\"best\"" } else { "" };
             let mut some = if merit.runs < judged.comparison.seeds {
                 format!("<br><small>{} of {}</small>", merit.runs, judged.comparison.seeds)
             } else {
@@ -206,7 +206,7 @@ fn opening(page: &mut String, suite: &Suite) {
         }
         *page += "</tr>\n";
     }
-    *page += "</table></div>\n<p class=\"note\">Mean over the runs; less is better, the best of a row is marked. An empty field: the part does \
+    *page += "</table></div>\n<p class=\"note\">Mean over the runs; less is better, the best of a row is marked, all of them where several are equal. An empty field: the part does \
         not have the sensors, or the method was not entered. A small number of runs beneath: the method came to the end of so many; a dash: of none. \
         A share of the time beneath: it said so seldom where it was, errs only there, and is not marked as the best.</p>\n";
 }
