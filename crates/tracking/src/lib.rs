@@ -1,0 +1,1 @@
+//! Solutions become tracks, zone entries, headcounts, alarms and evacuation state.
