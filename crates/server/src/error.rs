@@ -11,4 +11,7 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] crate::store::StoreError),
 }

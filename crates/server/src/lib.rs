@@ -1,5 +1,7 @@
 //! From the gateways to positions, alarms and an open API.
 
 mod error;
+pub mod export;
+pub mod store;
 
 pub use error::ServerError;
