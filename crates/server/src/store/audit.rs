@@ -7,7 +7,6 @@
 
 use crate::store::record::AuditRecord;
 use crate::store::{Store, StoreError};
-use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use sqlx::SqliteConnection;
@@ -71,7 +70,8 @@ impl FromStr for AuditHead {
         }
         let mut hash = [0; 32];
         for (byte, at) in hash.iter_mut().zip((0..64).step_by(2)) {
-            *byte = u8::from_str_radix(digits.get(at..at + 2).unwrap_or_default(), 16).map_err(|_| unusable())?;
+            *byte =
+                u8::from_str_radix(digits.get(at..at + 2).unwrap_or_default(), 16).map_err(|_| unusable())?;
         }
         Ok(Self { number, hash })
     }
@@ -102,14 +102,22 @@ fn hash_of(number: u64, row: &AuditRecord, detail: &str, before: &[u8; 32]) -> [
 }
 
 async fn end(which: i64, connection: &mut SqliteConnection) -> Result<AuditHead, sqlx::Error> {
-    let (number, hash): (i64, Vec<u8>) =
-        sqlx::query_as("SELECT number, hash FROM audit_end WHERE id = ?1").bind(which).fetch_one(connection).await?;
-    let hash = hash.try_into().map_err(|hash: Vec<u8>| sqlx::Error::Decode(format!("audit_end {which}: a hash of {} bytes, expected 32", hash.len()).into()))?;
+    let (number, hash): (i64, Vec<u8>) = sqlx::query_as("SELECT number, hash FROM audit_end WHERE id = ?1")
+        .bind(which)
+        .fetch_one(connection)
+        .await?;
+    let hash = hash.try_into().map_err(|hash: Vec<u8>| {
+        sqlx::Error::Decode(format!("audit_end {which}: a hash of {} bytes, expected 32", hash.len()).into())
+    })?;
     Ok(AuditHead { number: number.cast_unsigned(), hash })
 }
 
 /// Puts a row after `head` (`None`: the newest stored); the new head is to be stored by [`write_head`] in the same transaction.
-pub(crate) async fn append(entry: &AuditRecord, head: Option<AuditHead>, connection: &mut SqliteConnection) -> Result<AuditHead, sqlx::Error> {
+pub(crate) async fn append(
+    entry: &AuditRecord,
+    head: Option<AuditHead>,
+    connection: &mut SqliteConnection,
+) -> Result<AuditHead, sqlx::Error> {
     let before = match head {
         Some(head) => head,
         None => end(HEAD, connection).await?,
@@ -132,7 +140,10 @@ pub(crate) async fn append(entry: &AuditRecord, head: Option<AuditHead>, connect
 }
 
 /// Stores the newest head.
-pub(crate) async fn write_head(head: &AuditHead, connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+pub(crate) async fn write_head(
+    head: &AuditHead,
+    connection: &mut SqliteConnection,
+) -> Result<(), sqlx::Error> {
     write_end(HEAD, head, connection).await
 }
 

@@ -10,19 +10,28 @@
 //! Units: times in ms (tracks) and ns, lengths in cm, on the mine's grid. docs/live/store.md tells tables, sizes and limits.
 
 mod audit;
+mod chunk;
 mod commit;
+mod decimate;
 mod error;
+mod logbook;
 mod migrations;
 mod names;
 mod packed;
 mod record;
+mod track;
 
 pub use audit::{AuditHead, AuditRow};
 pub use error::StoreError;
+pub use logbook::{Cursor, LogPage, LogQuery};
 pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Record, Round};
+pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
 
 use names::Names;
-use sqlx::sqlite::{SqliteAutoVacuum, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::sqlite::{
+    SqliteAutoVacuum, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions,
+    SqliteSynchronous,
+};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
@@ -45,7 +54,7 @@ struct Inner {
     path: PathBuf,
     writer: SqlitePool,
     readers: SqlitePool,
-    names: RwLock<Names>,
+    names: RwLock<Arc<Names>>,
 }
 
 impl Store {
@@ -64,7 +73,10 @@ impl Store {
             migrations::check_owner(&mut connection, path).await?;
             connection.close().await.map_err(failed)?;
         }
-        let file = file.auto_vacuum(SqliteAutoVacuum::Incremental).journal_mode(SqliteJournalMode::Wal).synchronous(SqliteSynchronous::Full);
+        let file = file
+            .auto_vacuum(SqliteAutoVacuum::Incremental)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full);
         let writer = SqlitePoolOptions::new()
             .max_connections(1)
             .min_connections(1)
@@ -82,7 +94,14 @@ impl Store {
             .await
             .map_err(failed)?;
         let names = Names::read(&readers).await.map_err(failed)?;
-        Ok(Self { inner: Arc::new(Inner { path: path.to_path_buf(), writer, readers, names: RwLock::new(names) }) })
+        Ok(Self {
+            inner: Arc::new(Inner {
+                path: path.to_path_buf(),
+                writer,
+                readers,
+                names: RwLock::new(Arc::new(names)),
+            }),
+        })
     }
 
     /// Where the file is.
@@ -112,11 +131,14 @@ impl Store {
     }
 
     /// Names as known now.
-    fn names(&self) -> Names {
-        self.inner.names.read().unwrap_or_else(PoisonError::into_inner).clone()
+    fn names(&self) -> Arc<Names> {
+        Arc::clone(&self.inner.names.read().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn learn(&self, added: Names) {
-        self.inner.names.write().unwrap_or_else(PoisonError::into_inner).extend(added);
+        if !added.is_empty() {
+            Arc::make_mut(&mut self.inner.names.write().unwrap_or_else(PoisonError::into_inner))
+                .extend(added);
+        }
     }
 }
