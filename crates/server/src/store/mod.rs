@@ -10,8 +10,10 @@
 //! Units: times in ms (tracks) and ns, lengths in cm, on the mine's grid. docs/live/store.md tells tables, sizes and limits.
 
 mod audit;
+mod backup;
 mod chunk;
 mod commit;
+mod compact;
 mod decimate;
 mod error;
 mod logbook;
@@ -19,13 +21,18 @@ mod migrations;
 mod names;
 mod packed;
 mod record;
+mod retention;
 mod track;
+mod verify;
 
 pub use audit::{AuditHead, AuditRow};
+pub use compact::Compacted;
 pub use error::StoreError;
 pub use logbook::{Cursor, LogPage, LogQuery};
 pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Record, Round};
+pub use retention::{Retained, Retention};
 pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
+pub use verify::{AuditBreak, AuditQuery, AuditVerdict};
 
 use names::Names;
 use sqlx::sqlite::{
@@ -55,6 +62,7 @@ struct Inner {
     writer: SqlitePool,
     readers: SqlitePool,
     names: RwLock<Arc<Names>>,
+    maintenance: tokio::sync::Mutex<()>,
 }
 
 impl Store {
@@ -128,6 +136,16 @@ impl Store {
     /// An error of the database, with the path of the store.
     pub(crate) fn failed(&self, error: &sqlx::Error) -> StoreError {
         StoreError::of(self.path(), error)
+    }
+
+    /// Damage, with the path of the store.
+    pub(crate) fn corrupt(&self, said: String) -> StoreError {
+        StoreError::Corrupt { path: self.path().to_path_buf(), said }
+    }
+
+    /// Packing and retention one after the other: each expects that chunks stay while it reads them.
+    async fn maintenance(&self) -> tokio::sync::MutexGuard<'_, ()> {
+        self.inner.maintenance.lock().await
     }
 
     /// Names as known now.

@@ -116,7 +116,7 @@ impl Store {
         let mut transaction = self.readers().begin().await.map_err(failed)?;
         let rows = sqlx::query(
             "SELECT c.id, c.tag, c.person, c.from_ms, c.count, c.columns FROM track_tag t JOIN track_chunk c ON c.id =
-               (SELECT id FROM track_chunk WHERE tag = t.tag AND from_ms <= ?1 ORDER BY from_ms DESC, id DESC LIMIT 1)",
+               (SELECT id FROM track_chunk WHERE tag = t.tag AND from_ms <= ?1 ORDER BY from_ms DESC, until_ms DESC LIMIT 1)",
         )
         .bind(at_ms)
         .fetch_all(&mut *transaction)
@@ -181,8 +181,7 @@ impl Store {
         transaction.commit().await.map_err(failed)?;
         let mut fixes = Vec::new();
         for row in &rows {
-            let chunk = unpacked(row)
-                .map_err(|said| StoreError::Corrupt { path: self.path().to_path_buf(), said })?;
+            let chunk = unpacked(row).map_err(|said| self.corrupt(said))?;
             fixes.extend(chunk.into_iter().filter(|fix| (numbers.from_ms..end_ms).contains(&fix.time_ms)));
         }
         for row in &recent {

@@ -15,7 +15,12 @@ fn rounds() -> Vec<Round> {
                 Record::Event(event("zone-entered", second, &["anna", "z1"])),
                 Record::Audit(audit("otto", second)),
             ];
-            records.push(Record::Alarm(alarm("a1", if position < 6 { "raised" } else { "cleared" }, 1, (position >= 6).then_some(second))));
+            records.push(Record::Alarm(alarm(
+                "a1",
+                if position < 6 { "raised" } else { "cleared" },
+                1,
+                (position >= 6).then_some(second),
+            )));
             round(position, records)
         })
         .collect()
