@@ -108,6 +108,7 @@ impl Store {
                 writer,
                 readers,
                 names: RwLock::new(Arc::new(names)),
+                maintenance: tokio::sync::Mutex::new(()),
             }),
         })
     }
@@ -141,6 +142,13 @@ impl Store {
     /// Damage, with the path of the store.
     pub(crate) fn corrupt(&self, said: String) -> StoreError {
         StoreError::Corrupt { path: self.path().to_path_buf(), said }
+    }
+
+    /// What is sound; what is not is told in the log and left out.
+    pub(crate) fn sound<T>(&self, found: Result<T, String>) -> Option<T> {
+        found
+            .inspect_err(|said| tracing::error!(path = %self.path().display(), "damaged, left out: {said}"))
+            .ok()
     }
 
     /// Packing and retention one after the other: each expects that chunks stay while it reads them.

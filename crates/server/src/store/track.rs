@@ -130,23 +130,20 @@ impl Store {
         .await
         .map_err(failed)?;
         transaction.commit().await.map_err(failed)?;
-        let path = self.path().to_path_buf();
+        let store = self.clone();
         let mut last = tokio::task::spawn_blocking(move || {
             let mut last: BTreeMap<i64, PackedFix> = BTreeMap::new();
             for row in rows {
-                let fixes =
-                    unpacked(&row).map_err(|said| StoreError::Corrupt { path: path.clone(), said })?;
+                // Where everybody was must be told even if the file is damaged.
+                let Some(fixes) = store.sound(unpacked(&row)) else { continue };
                 if let Some(fix) = fixes.iter().rev().find(|fix| fix.time_ms <= at_ms) {
                     last.insert(fix.tag, *fix);
                 }
             }
-            Ok::<_, StoreError>(last)
+            last
         })
         .await
-        .map_err(|error| StoreError::Database {
-            path: self.path().to_path_buf(),
-            said: error.to_string(),
-        })??;
+        .map_err(|error| StoreError::Database { path: self.path().to_path_buf(), said: error.to_string() })?;
         for row in &recent {
             let fix = recent_fix(row).map_err(|error| self.failed(&error))?;
             let known = last.entry(fix.tag).or_insert(fix);
