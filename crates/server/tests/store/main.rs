@@ -2,3 +2,5 @@
 
 mod common;
 mod once;
+mod packing;
+mod walk;
