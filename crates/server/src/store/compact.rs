@@ -103,7 +103,7 @@ impl Store {
         }
         let tags: Vec<i64> = fixes.keys().copied().collect();
         let chunks = self.packed_off_thread(fixes.into_values().collect(), false).await?;
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+        let mut transaction = self.write().await?;
         for tag in tags {
             sqlx::query("INSERT OR IGNORE INTO track_tag (tag) VALUES (?1)")
                 .bind(tag)
@@ -117,7 +117,7 @@ impl Store {
             .execute(&mut *transaction)
             .await
             .map_err(failed)?;
-        transaction.commit().await.map_err(failed)?;
+        transaction.commit().await?;
         done.fixes += count.cast_unsigned();
         done.chunks += chunks.len() as u64;
         Ok(count == AT_ONCE)
@@ -200,7 +200,7 @@ impl Store {
         }
         let chunks = self.packed_off_thread(runs, true).await?;
         if !tags.is_empty() {
-            let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+            let mut transaction = self.write().await?;
             for id in damaged {
                 sqlx::query("UPDATE track_chunk SET whole = 1 WHERE id = ?1")
                     .bind(id)
@@ -209,7 +209,7 @@ impl Store {
                     .map_err(failed)?;
             }
             replace(&replaced, &chunks, &mut transaction).await.map_err(failed)?;
-            transaction.commit().await.map_err(failed)?;
+            transaction.commit().await?;
         }
         done.joined += replaced.len() as u64;
         done.chunks += chunks.len() as u64;

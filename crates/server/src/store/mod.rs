@@ -24,6 +24,7 @@ mod record;
 mod retention;
 mod track;
 mod verify;
+mod writing;
 
 pub use audit::{AuditHead, AuditRow};
 pub use compact::Compacted;

@@ -150,7 +150,7 @@ impl Store {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut gone = 0;
         loop {
-            let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+            let mut transaction = self.write().await?;
             let ids: Vec<i64> = sqlx::query_scalar(log.old)
                 .bind(limit.nanos())
                 .bind(AT_ONCE)
@@ -163,7 +163,7 @@ impl Store {
                 let statement = format!("DELETE FROM {table} WHERE {column} IN ({list})");
                 sqlx::raw_sql(AssertSqlSafe(statement)).execute(&mut *transaction).await.map_err(failed)?;
             }
-            transaction.commit().await.map_err(failed)?;
+            transaction.commit().await?;
             gone += ids.len() as u64;
             if (ids.len() as i64) < AT_ONCE {
                 return Ok(gone);

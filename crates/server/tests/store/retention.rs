@@ -26,7 +26,9 @@ async fn tracks_events_and_cleared_alarms_go_to_the_second() {
         .await
         .unwrap();
     let everything = Retention::default();
-    assert_eq!(site.store.retain(at(10 * DAY_S), &everything).await.unwrap(), Retained::default());
+    // Space is given back all the same: that of rows packed.
+    let nothing = |gone: Retained| Retained { bytes: 0, ..gone } == Retained::default();
+    assert!(nothing(site.store.retain(at(10 * DAY_S), &everything).await.unwrap()));
     let keep =
         Retention { tracks_days: Some(3), events_days: Some(5), alarms_days: Some(4), audit_days: None };
     let gone = site.store.retain(at(10 * DAY_S), &keep).await.unwrap();
@@ -51,7 +53,7 @@ async fn tracks_events_and_cleared_alarms_go_to_the_second() {
             .unwrap();
         assert_eq!(rows, left, "{table}");
     }
-    assert_eq!(site.store.retain(at(10 * DAY_S), &keep).await.unwrap(), Retained::default());
+    assert!(nothing(site.store.retain(at(10 * DAY_S), &keep).await.unwrap()));
     assert_eq!(site.store.check().await.unwrap(), Vec::<String>::new());
 }
 
