@@ -5,10 +5,7 @@ use crate::observation::ObservationKind;
 /// Types made by prost from `proto/adit/v1/*.proto`.
 #[cfg_attr(
     not(test),
-    expect(
-        dead_code,
-        reason = "a batch is read by its envelope; tests hold that against the type made here"
-    )
+    allow(dead_code, reason = "a batch is read by its envelope; tests hold it against the type made here")
 )]
 #[expect(clippy::doc_markdown, clippy::trivially_copy_pass_by_ref, reason = "as prost writes enums")]
 mod generated {
