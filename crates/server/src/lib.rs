@@ -1,6 +1,8 @@
 //! From the gateways to positions, alarms and an open API.
 
 mod error;
+pub mod ingest;
 pub mod journal;
+pub mod pipeline;
 
 pub use error::ServerError;
