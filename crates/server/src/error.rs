@@ -59,6 +59,9 @@ pub enum ServerError {
         /// The file that should be there.
         path: PathBuf,
     },
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] crate::store::StoreError),
 }
 
 impl ServerError {

@@ -4,5 +4,7 @@ mod error;
 pub mod ingest;
 pub mod journal;
 pub mod pipeline;
+pub mod export;
+pub mod store;
 
 pub use error::ServerError;

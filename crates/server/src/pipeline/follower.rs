@@ -5,6 +5,7 @@ use super::estimator::Estimator;
 use super::motion;
 use super::profile::Profile;
 use crate::journal::{Position, Seen};
+use adit_core::frames::{Position as GridPosition, Vector};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
 use adit_observation::wire::Packet;
@@ -259,8 +260,8 @@ impl Follower {
         told.push(Input::Fix(Fix {
             tag: tag.to_owned(),
             time: solution.time,
-            position_m: solution.position_m.into(),
-            velocity_m_s: (speed_known && solution.quality != Quality::Lost).then(|| solution.velocity_m_s.into()),
+            position_m: GridPosition::from_raw(solution.position_m),
+            velocity_m_s: (speed_known && solution.quality != Quality::Lost).then(|| Vector::from_raw(solution.velocity_m_s)),
             radius_95_m,
             protection_level_m: solution.protection_level_m(),
             quality: solution.quality,
