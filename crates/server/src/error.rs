@@ -53,6 +53,9 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The start was interrupted.
+    #[error("the start was interrupted")]
+    Stopped,
     /// No file is open to write to, after an earlier failure.
     #[error("{path}: cannot be made")]
     NoSegment {

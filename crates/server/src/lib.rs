@@ -1,10 +1,15 @@
 //! From the gateways to positions, alarms and an open API.
 
+mod clock;
 mod error;
 pub mod ingest;
 pub mod journal;
 pub mod pipeline;
 pub mod export;
+mod run;
 pub mod store;
+mod writer;
 
+pub use clock::now;
 pub use error::ServerError;
+pub use run::{Parts, Settings, start};

@@ -26,7 +26,7 @@ mod snapshot;
 
 pub use estimator::Settings;
 pub use follower::{TagCounts, TagHealth};
-pub use outcome::RoundOutcome;
+pub use outcome::{RoundOutcome, TrackedFix};
 pub use profile::{Profile, Profiles, ProfilesError};
-pub use rounds::{Asked, Pipeline, PipelineSettings};
+pub use rounds::{Asked, Pipeline, PipelineSettings, Started};
 pub use snapshot::Snapshots;

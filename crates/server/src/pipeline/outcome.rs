@@ -12,9 +12,18 @@ pub struct RoundOutcome {
     /// When it arrived.
     pub arrived: Time,
     /// Where tags are, of those that the tracking took.
-    pub fixes: Vec<Fix>,
+    pub fixes: Vec<TrackedFix>,
     /// What happened.
     pub events: Vec<Event>,
+}
+
+/// Where a tag is, and who wears it.
+#[derive(Debug, Clone)]
+pub struct TrackedFix {
+    /// Where it is.
+    pub fix: Fix,
+    /// Id of the person who wears it.
+    pub person: Option<String>,
 }
 
 impl RoundOutcome {

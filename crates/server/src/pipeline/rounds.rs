@@ -2,7 +2,7 @@
 
 use super::devices::Devices;
 use super::follower::{Arrival, TagHealth};
-use super::outcome::RoundOutcome;
+use super::outcome::{RoundOutcome, TrackedFix};
 use super::profile::Profiles;
 use super::shard::{Job, Shard, Told, shard_of};
 use super::snapshot::{ServerState, Snapshots, Writing};
@@ -415,7 +415,8 @@ fn hear(tracking: &mut Tracking, now: Time, input: Input, outcome: &mut RoundOut
     match tracking.hear(now, &input, &mut outcome.events) {
         Ok(adit_tracking::Outcome::Done) => {
             if let Input::Fix(fix) = input {
-                outcome.fixes.push(fix);
+                let person = tracking.wearer(&fix.tag).map(ToOwned::to_owned);
+                outcome.fixes.push(TrackedFix { fix, person });
             }
         }
         Ok(adit_tracking::Outcome::Ignored(why)) => {
