@@ -1,7 +1,15 @@
 //! From the gateways to positions, alarms and an open API.
 
+mod clock;
 mod error;
 pub mod export;
+pub mod ingest;
+pub mod journal;
+pub mod pipeline;
+mod run;
 pub mod store;
+mod writer;
 
+pub use clock::now;
 pub use error::ServerError;
+pub use run::{Parts, Settings, start};

@@ -8,6 +8,7 @@ use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 use sqlx::{AssertSqlSafe, Row as _};
 
+const NANOS_PER_HOUR: i64 = 3_600_000_000_000;
 const NANOS_PER_DAY: i64 = 86_400_000_000_000;
 /// Rows taken away in one transaction.
 const AT_ONCE: i64 = 1000;
@@ -44,12 +45,13 @@ pub struct Retained {
 }
 
 impl Store {
-    /// Takes away what is older than it may be at `now`: exactly, a chunk that reaches over the limit is packed anew. Each step holds the writer
+    /// Takes away what is older than it may be at `now`, in whole hours: a chunk that reaches over the limit is packed anew. Each step holds the writer
     /// for some 10 ms.
     pub async fn retain(&self, now: Time, retention: &Retention) -> Result<Retained, StoreError> {
         let _turn = self.maintenance().await;
         let before = |days: u32| {
-            Time::from_nanos(now.nanos().saturating_sub(NANOS_PER_DAY.saturating_mul(i64::from(days))))
+            let limit = now.nanos().saturating_sub(NANOS_PER_DAY.saturating_mul(i64::from(days)));
+            Time::from_nanos(limit.div_euclid(NANOS_PER_HOUR).saturating_mul(NANOS_PER_HOUR))
         };
         let mut gone = Retained::default();
         if let Some(days) = retention.tracks_days {
@@ -171,7 +173,7 @@ impl Store {
         }
     }
 
-    /// Free pages go back to the disk.
+    /// Free pages go back to the disk, once they are a quarter of the file: below that they are soon used again.
     async fn give_back(&self) -> Result<u64, StoreError> {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut connection = self.writer().acquire().await.map_err(failed)?;
@@ -179,8 +181,13 @@ impl Store {
             sqlx::query_scalar("PRAGMA page_size").fetch_one(&mut *connection).await.map_err(failed)?;
         let free = "PRAGMA freelist_count";
         let at_first: i64 = sqlx::query_scalar(free).fetch_one(&mut *connection).await.map_err(failed)?;
+        let pages: i64 =
+            sqlx::query_scalar("PRAGMA page_count").fetch_one(&mut *connection).await.map_err(failed)?;
         let mut left = at_first;
         drop(connection);
+        if at_first < pages / 4 {
+            return Ok(0);
+        }
         while left > 0 {
             // Acquired anew for each step: others may write between.
             let mut connection = self.writer().acquire().await.map_err(failed)?;
