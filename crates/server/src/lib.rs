@@ -2,10 +2,10 @@
 
 mod clock;
 mod error;
+pub mod export;
 pub mod ingest;
 pub mod journal;
 pub mod pipeline;
-pub mod export;
 mod run;
 pub mod store;
 mod writer;

@@ -11,6 +11,7 @@ use crate::writer;
 use adit_mine::Mine;
 use adit_tracking::{Rules, Tracking};
 use std::path::PathBuf;
+use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, RwLock};
 use std::thread::JoinHandle;
@@ -65,14 +66,22 @@ pub async fn start(
     let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, .. } = settings;
     std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
     let store = Store::open(&data.join("adit.sqlite")).await?;
-    let stored = store.applied().await?;
+    let stored = Arc::new(AtomicU64::new(store.applied().await?));
     let (writing, outcomes) = mpsc::unbounded_channel();
     let mut tasks = Vec::new();
-    tasks.push(tokio::spawn(writer::write(store.clone(), Arc::clone(&mine), retention, clock::now, outcomes)));
+    let written = Arc::clone(&stored);
+    tasks.push(tokio::spawn(writer::write(
+        store.clone(),
+        Arc::clone(&mine),
+        retention,
+        clock::now,
+        written,
+        outcomes,
+    )));
 
     let folder = data.clone();
     let opened = tokio::task::spawn_blocking(move || {
-        let settings = PipelineSettings { mine, profiles, rules, shards, folder, snapshot_every };
+        let settings = PipelineSettings { mine, profiles, rules, shards, folder, snapshot_every, stored };
         let Started { mut pipeline, journal, from, mut gateways } = Pipeline::open(settings)?;
         let end = journal.next();
         if from < end {
@@ -85,7 +94,7 @@ pub async fn start(
             // The writer ends after everybody who tells it.
             let _ = writing.send(outcome);
         };
-        pipeline.replay(stored, (&journal, from), &mut gateways, &mut outlet, |position| {
+        pipeline.replay((&journal, from), &mut gateways, &mut outlet, |position| {
             tracing::info!("entry {position} of {}", end - 1);
         })?;
         Ok::<_, ServerError>((pipeline, journal, gateways.1, outlet))
@@ -122,7 +131,9 @@ impl Parts {
         let _ = asked.send(Asked::Stop);
         drop((door, asked));
         // Threads first: they tell the writer.
-        let joined = tokio::task::spawn_blocking(move || threads.into_iter().all(|thread| thread.join().is_ok())).await;
+        let joined =
+            tokio::task::spawn_blocking(move || threads.into_iter().all(|thread| thread.join().is_ok()))
+                .await;
         if !joined.unwrap_or(false) {
             tracing::error!("a thread has ended by a panic");
         }

@@ -11,6 +11,7 @@ use adit_tracking::{About, Alarm, Event, Subject};
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::Instant;
@@ -28,9 +29,10 @@ pub async fn write(
     mine: Arc<Mine>,
     retention: Retention,
     now: impl Fn() -> Time,
+    stored: Arc<AtomicU64>,
     mut outcomes: mpsc::UnboundedReceiver<Arc<RoundOutcome>>,
 ) {
-    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0 };
+    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0, stored };
     let mut maintenance = Instant::now() + MAINTENANCE;
     let mut open = true;
     while open || !desk.waiting.is_empty() {
@@ -70,6 +72,7 @@ struct Desk {
     waiting: VecDeque<Round>,
     fixes: usize,
     retry: Duration,
+    stored: Arc<AtomicU64>,
 }
 
 impl Desk {
@@ -110,6 +113,7 @@ impl Desk {
         let written = self.store.commit_rounds(self.waiting.make_contiguous()).await?;
         metrics::histogram!("adit_store_commit_seconds").record(started.elapsed());
         metrics::counter!("adit_stored_records_total").increment(written.written);
+        self.stored.store(written.applied, Ordering::Release);
         self.waiting.clear();
         self.fixes = 0;
         Ok(())

@@ -1,7 +1,8 @@
 //! The one way in.
 
 use crate::journal::{
-    Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position, UserCommand, What,
+    Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position,
+    UserCommand, What,
 };
 use adit_core::frames::MineGrid;
 use adit_core::time::Time;
@@ -185,7 +186,8 @@ impl Door {
     }
 
     async fn store(&self, what: What, number: Option<Numbered>) -> Result<Receipt, DoorError> {
-        let stored = timeout(PATIENCE, self.committer.append(what, number)).await.map_err(|_| DoorError::Busy)?;
+        let stored =
+            timeout(PATIENCE, self.committer.append(what, number)).await.map_err(|_| DoorError::Busy)?;
         Ok(match stored? {
             Appended::At(position) => Receipt { position: Some(position), repeated: false },
             Appended::Repeated => Receipt { position: None, repeated: true },
@@ -195,7 +197,8 @@ impl Door {
 
 /// A batch in JSON as protobuf. Readings at even times become counts, to half of which they are rounded: finer than any sensor.
 fn of_json(bytes: &[u8]) -> Result<Bytes, DoorError> {
-    let batch: JsonBatch = serde_json::from_slice(bytes).map_err(|error| DoorError::Json(error.to_string()))?;
+    let batch: JsonBatch =
+        serde_json::from_slice(bytes).map_err(|error| DoorError::Json(error.to_string()))?;
     let mut wire = Batch::new(batch.boot, batch.sequence);
     for packet in &batch.packets {
         wire = wire.with_packet(packet, &Resolution::default());

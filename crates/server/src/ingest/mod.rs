@@ -8,5 +8,6 @@ mod door;
 pub mod mqtt;
 
 pub use door::{
-    CommandError, Door, DoorError, JsonBatch, LARGEST_BATCH, PATIENCE, PositionReport, Receipt, Source, UNKNOWN_RADIUS_M,
+    CommandError, Door, DoorError, JsonBatch, LARGEST_BATCH, PATIENCE, PositionReport, Receipt, Source,
+    UNKNOWN_RADIUS_M,
 };

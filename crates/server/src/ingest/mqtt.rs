@@ -48,7 +48,12 @@ impl BrokerState {
 }
 
 /// Listens until it is told to stop; never ends by an error of the broker or of a message.
-pub async fn listen(settings: &MqttSettings, door: Door, state: Arc<BrokerState>, mut stop: watch::Receiver<bool>) {
+pub async fn listen(
+    settings: &MqttSettings,
+    door: Door,
+    state: Arc<BrokerState>,
+    mut stop: watch::Receiver<bool>,
+) {
     let (client, mut events) = connect(settings);
     let places = Arc::new(Semaphore::new(MOST_IN_FLIGHT.into()));
     let mut wait = RETRY.0;
@@ -81,7 +86,12 @@ pub async fn listen(settings: &MqttSettings, door: Door, state: Arc<BrokerState>
                 if state.connected.swap(false, Ordering::Relaxed) {
                     metrics::counter!("adit_broker_losses_total").increment(1);
                 }
-                tracing::warn!("broker {}:{}: {}; again in {wait:?}", settings.host, settings.port, told(&error));
+                tracing::warn!(
+                    "broker {}:{}: {}; again in {wait:?}",
+                    settings.host,
+                    settings.port,
+                    told(&error)
+                );
                 tokio::select! {
                     () = tokio::time::sleep(wait) => {}
                     _ = stop.wait_for(|stop| *stop) => break,
@@ -118,7 +128,7 @@ async fn take(client: &AsyncClient, door: &Door, publish: Publish) {
         Some((gateway, Kind::Observations)) => {
             let from = Source { name: gateway.to_owned(), json: false };
             store(|| door.batch(from.clone(), publish.payload.clone())).await
-        },
+        }
         Some((gateway, Kind::Status)) => {
             let up = publish.payload.as_ref() == b"online";
             store(|| door.gateway(gateway, up)).await
@@ -142,7 +152,9 @@ async fn take(client: &AsyncClient, door: &Door, publish: Publish) {
 }
 
 /// Tries until it is stored or can never be; the broker is not told meanwhile and holds back.
-async fn store<F: Future<Output = Result<super::Receipt, DoorError>>>(once: impl Fn() -> F) -> Result<(), DoorError> {
+async fn store<F: Future<Output = Result<super::Receipt, DoorError>>>(
+    once: impl Fn() -> F,
+) -> Result<(), DoorError> {
     let mut wait = RETRY.0;
     loop {
         match once().await {

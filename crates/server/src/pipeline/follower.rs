@@ -8,8 +8,8 @@ use crate::journal::{Position, Seen};
 use adit_core::frames::{Position as GridPosition, Vector};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
-use adit_observation::wire::Packet;
 use adit_observation::Observation;
+use adit_observation::wire::Packet;
 use adit_tracking::{Battery, Button, Charge, Fix, Heard, Input};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -256,12 +256,14 @@ impl Follower {
         }
         self.told = Some(solution.time);
         self.counts.fixes += 1;
-        let speed_known = (0..2).all(|i| solution.covariance[(3 + i, 3 + i)] < SPEED_SIGMA_M_S * SPEED_SIGMA_M_S);
+        let speed_known =
+            (0..2).all(|i| solution.covariance[(3 + i, 3 + i)] < SPEED_SIGMA_M_S * SPEED_SIGMA_M_S);
         told.push(Input::Fix(Fix {
             tag: tag.to_owned(),
             time: solution.time,
             position_m: GridPosition::from_raw(solution.position_m),
-            velocity_m_s: (speed_known && solution.quality != Quality::Lost).then(|| Vector::from_raw(solution.velocity_m_s)),
+            velocity_m_s: (speed_known && solution.quality != Quality::Lost)
+                .then(|| Vector::from_raw(solution.velocity_m_s)),
             radius_95_m,
             protection_level_m: solution.protection_level_m(),
             quality: solution.quality,

@@ -48,7 +48,13 @@ pub fn shard_of(tag: &str, shards: usize) -> usize {
 impl Shard {
     /// Without tags.
     pub fn new(profiles: Arc<Profiles>) -> Self {
-        Self { followers: BTreeMap::new(), profiles, reader: PacketReader::default(), kept: None, came_since: Vec::new() }
+        Self {
+            followers: BTreeMap::new(),
+            profiles,
+            reader: PacketReader::default(),
+            kept: None,
+            came_since: Vec::new(),
+        }
     }
 
     /// How many tags.

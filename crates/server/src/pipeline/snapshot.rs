@@ -144,7 +144,8 @@ impl Writing {
     fn record(&mut self, record: &Record) -> Result<(), ServerError> {
         self.body.clear();
         let written = record.serialize(&mut rmp_serde::Serializer::new(&mut self.body).with_struct_map());
-        written.map_err(|error| ServerError::Snapshot { path: self.path.clone(), what: error.to_string() })?;
+        written
+            .map_err(|error| ServerError::Snapshot { path: self.path.clone(), what: error.to_string() })?;
         #[expect(clippy::cast_possible_truncation, reason = "a record of 4 GB is none")]
         let length = self.body.len() as u32;
         let crc = crc32fast::hash(&self.body);
