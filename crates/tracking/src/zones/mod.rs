@@ -1,0 +1,5 @@
+//! Zones, who is in them, and how many.
+
+mod live;
+
+pub use live::LiveZone;
