@@ -1,5 +1,8 @@
 //! What can go wrong in the server.
 
+use crate::journal::Position;
+use std::path::{Path, PathBuf};
+
 /// What can go wrong in the server, with what was found.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
@@ -7,8 +10,55 @@ pub enum ServerError {
     #[error("{path}: {source}")]
     Io {
         /// Of which file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file of the journal is damaged where no crash can have cut it.
+    #[error("{path}: byte {byte}: {what}: the journal is damaged")]
+    JournalDamage {
+        /// Which file.
+        path: PathBuf,
+        /// Where the bad record begins.
+        byte: u64,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// Entries are asked for that are no longer there.
+    #[error(
+        "the journal begins at entry {oldest}, entry {wanted} is needed: a snapshot or files of the journal are missing"
+    )]
+    JournalGap {
+        /// The first that is needed.
+        wanted: Position,
+        /// The first that is there.
+        oldest: Position,
+    },
+    /// A thread could not be started.
+    #[error("thread {name}: {source}")]
+    Thread {
+        /// Which.
+        name: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No file is open to write to, after an earlier failure.
+    #[error("{path}: cannot be made")]
+    NoSegment {
+        /// The file that should be there.
+        path: PathBuf,
+    },
+}
+
+impl ServerError {
+    /// Of a file.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_path_buf(), source }
+    }
+
+    /// Whether the disk is full.
+    pub fn is_full(&self) -> bool {
+        matches!(self, Self::Io { source, .. }
+            if matches!(source.kind(), std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded))
+    }
 }

@@ -2,5 +2,6 @@
 
 pub mod auth;
 mod error;
+pub mod journal;
 
 pub use error::ServerError;
