@@ -1,6 +1,8 @@
 //! What the API answers when it does not do what was asked: always JSON, `{type, code, message}`, as omlox has it.
 
+use super::{CommandError, DoorError};
 use crate::auth::AuthError;
+use adit_tracking::Refused;
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -136,6 +138,55 @@ impl From<AuthError> for ApiError {
             AuthError::Unknown { .. } => Self::not_found(message),
             AuthError::Random(_) | AuthError::Hash(_) | AuthError::Database(_) | AuthError::Role { .. } => {
                 Self::internal(&error)
+            }
+        }
+    }
+}
+
+impl ApiError {
+    /// Of the store.
+    pub(super) fn of_store(error: &crate::store::StoreError) -> Self {
+        if error.may_be_tried_again() {
+            tracing::warn!("API: {error}");
+            Self::unavailable("the store cannot be written or read now", 5)
+        } else {
+            Self::internal(error)
+        }
+    }
+}
+
+impl From<DoorError> for ApiError {
+    fn from(error: DoorError) -> Self {
+        let message = error.to_string();
+        match error {
+            DoorError::Malformed(_) => Self::invalid(message),
+            DoorError::Busy => Self::unavailable(message, 1),
+            DoorError::NotStored(_) | DoorError::NoAnswer => Self::unavailable(message, 5),
+        }
+    }
+}
+
+impl From<CommandError> for ApiError {
+    fn from(error: CommandError) -> Self {
+        match error {
+            CommandError::Door(error) => error.into(),
+            CommandError::Refused(refused) => {
+                let message = refused.to_string();
+                match refused {
+                    Refused::UnknownPerson { .. }
+                    | Refused::UnknownTag { .. }
+                    | Refused::UnknownZone { .. }
+                    | Refused::UnknownAlarm { .. }
+                    | Refused::UnknownDevice { .. } => Self::not_found(message),
+                    Refused::UnknownLevel { .. }
+                    | Refused::BadId { .. }
+                    | Refused::BadOutline { .. }
+                    | Refused::BadNumber { .. }
+                    | Refused::TooLong { .. }
+                    | Refused::EndsBeforeItBegins { .. }
+                    | Refused::Rules(_) => Self::invalid(message),
+                    _ => Self::conflict(message),
+                }
             }
         }
     }

@@ -4,6 +4,7 @@ use super::routes::{Access, AccessTable};
 use super::{ApiError, Context};
 use crate::auth::{Permission, Principal};
 use axum::extract::{MatchedPath, Request, State};
+use axum::http::request::Parts;
 use axum::http::{HeaderMap, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
@@ -19,13 +20,14 @@ pub(super) struct Guard {
     pub table: Arc<AccessTable>,
 }
 
-pub(super) async fn guard(State(guard): State<Guard>, mut request: Request, next: Next) -> Response {
-    match admit(&guard, &request).await {
+pub(super) async fn guard(State(guard): State<Guard>, request: Request, next: Next) -> Response {
+    let (mut parts, body) = request.into_parts();
+    match admit(&guard, &parts).await {
         Ok(principal) => {
             if let Some(principal) = principal {
-                request.extensions_mut().insert(principal);
+                parts.extensions.insert(principal);
             }
-            next.run(request).await
+            next.run(Request::from_parts(parts, body)).await
         }
         Err(error) => {
             metrics::counter!("adit_api_refused_total", "status" => error.status().as_u16().to_string()).increment(1);
@@ -34,12 +36,12 @@ pub(super) async fn guard(State(guard): State<Guard>, mut request: Request, next
     }
 }
 
-async fn admit(guard: &Guard, request: &Request) -> Result<Option<Principal>, ApiError> {
-    let path = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    let access = guard.table.of(request.method(), path);
-    let upgrade = request.headers().contains_key(header::UPGRADE);
+async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiError> {
+    let path = request.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    let access = guard.table.of(&request.method, path);
+    let upgrade = request.headers.contains_key(header::UPGRADE);
     if access == Some(Access::Open) {
-        return same_origin(request.headers()).map(|()| None);
+        return same_origin(&request.headers).map(|()| None);
     }
     if access == Some(Access::Needs(Permission::SeeLive)) && path == "/metrics" && guard.context.settings.open_metrics {
         return Ok(None);
@@ -72,13 +74,13 @@ pub(super) fn refused(principal: &Principal, permission: Permission) -> ApiError
 }
 
 /// Whose request it is: by the header `Authorization: Bearer`, else by the cookie, which counts only for requests of our own pages.
-async fn who(guard: &Guard, request: &Request) -> Result<Option<Principal>, ApiError> {
-    let headers = request.headers();
+async fn who(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiError> {
+    let headers = &request.headers;
     if let Some(secret) = bearer(headers) {
         return Ok(guard.context.auth.principal(secret).await?);
     }
     let Some(secret) = cookie(headers) else { return Ok(None) };
-    let reads = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
+    let reads = matches!(request.method, Method::GET | Method::HEAD | Method::OPTIONS);
     if !reads || headers.contains_key(header::UPGRADE) {
         same_origin(headers)?;
     }

@@ -30,6 +30,7 @@ pub use sessions::NewSession;
 pub use tokens::{ApiToken, NewToken};
 pub use users::{LOCKED_AFTER, LOCKED_S, User, UserChange};
 
+use crate::store::Store;
 use adit_core::time::Time;
 use limiter::LoginLimiter;
 use password::Passwords;
@@ -71,7 +72,7 @@ impl Default for AuthSettings {
 /// The keeper of users, sessions and tokens.
 #[derive(Clone)]
 pub struct Auth {
-    pool: SqlitePool,
+    store: Store,
     settings: Arc<AuthSettings>,
     passwords: Passwords,
     limiter: Arc<LoginLimiter>,
@@ -79,12 +80,12 @@ pub struct Auth {
 }
 
 impl Auth {
-    /// On a database whose tables are there. The clock tells when sessions and tokens end.
-    pub async fn open(pool: SqlitePool, settings: AuthSettings, clock: WallClock) -> Result<Self, AuthError> {
+    /// On the tables of a store. The clock tells when sessions and tokens end.
+    pub async fn open(store: Store, settings: AuthSettings, clock: WallClock) -> Result<Self, AuthError> {
         let limiter =
             LoginLimiter::new(settings.logins_per_address_per_minute, settings.logins_per_name_per_minute);
         let passwords = Passwords::new().await?;
-        Ok(Self { pool, settings: Arc::new(settings), passwords, limiter: Arc::new(limiter), clock })
+        Ok(Self { store, settings: Arc::new(settings), passwords, limiter: Arc::new(limiter), clock })
     }
 
     /// On the first start, makes the user `admin` and returns the password, which is not kept: to be printed once. `None` when there
@@ -101,6 +102,14 @@ impl Auth {
     /// How long sessions last and how often one may try.
     pub fn settings(&self) -> &AuthSettings {
         &self.settings
+    }
+
+    fn readers(&self) -> &SqlitePool {
+        self.store.readers()
+    }
+
+    fn writer(&self) -> &SqlitePool {
+        self.store.writer()
     }
 
     fn now(&self) -> i64 {

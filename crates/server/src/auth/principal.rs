@@ -57,7 +57,7 @@ impl Auth {
     async fn of_session(&self, digest: Vec<u8>) -> Result<Option<Principal>, AuthError> {
         const SESSION: &str = "SELECT u.name, u.role, s.created_ns, s.seen_ns FROM sessions s JOIN users u ON u.id = s.user_id \
                                WHERE s.digest = ? AND u.disabled = 0";
-        let Some(row) = sqlx::query(SESSION).bind(&digest).fetch_optional(&self.pool).await? else {
+        let Some(row) = sqlx::query(SESSION).bind(&digest).fetch_optional(self.readers()).await? else {
             return Ok(None);
         };
         let now = self.now();
@@ -65,13 +65,13 @@ impl Auth {
         let nanos = |seconds: u32| i64::from(seconds) * 1_000_000_000;
         let end = (created + nanos(self.settings.session_s)).min(seen + nanos(self.settings.session_idle_s));
         if now >= end {
-            sqlx::query("DELETE FROM sessions WHERE digest = ?").bind(&digest).execute(&self.pool).await?;
+            sqlx::query("DELETE FROM sessions WHERE digest = ?").bind(&digest).execute(self.writer()).await?;
             return Ok(None);
         }
         if now - seen > SEEN_EVERY_NS {
             let seen =
                 sqlx::query("UPDATE sessions SET seen_ns = ? WHERE digest = ?").bind(now).bind(&digest);
-            seen.execute(&self.pool).await?;
+            seen.execute(self.writer()).await?;
         }
         let grant = grant(row.try_get("role")?)?;
         let expires = Some(Time::from_nanos(end));
@@ -82,7 +82,7 @@ impl Auth {
     async fn of_token(&self, digest: Vec<u8>) -> Result<Option<Principal>, AuthError> {
         const TOKEN: &str = "SELECT name, grants, expires_ns FROM api_tokens WHERE digest = ? AND revoked_ns IS NULL \
                              AND (expires_ns IS NULL OR expires_ns > ?)";
-        let row = sqlx::query(TOKEN).bind(&digest).bind(self.now()).fetch_optional(&self.pool).await?;
+        let row = sqlx::query(TOKEN).bind(&digest).bind(self.now()).fetch_optional(self.readers()).await?;
         let Some(row) = row else { return Ok(None) };
         let name: String = row.try_get("name")?;
         let expires: Option<i64> = row.try_get("expires_ns")?;

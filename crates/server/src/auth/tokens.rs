@@ -42,7 +42,7 @@ pub struct NewToken {
 impl Auth {
     /// All tokens by name, revoked ones too.
     pub async fn tokens(&self) -> Result<Vec<ApiToken>, AuthError> {
-        let rows = sqlx::query("SELECT * FROM api_tokens ORDER BY name").fetch_all(&self.pool).await?;
+        let rows = sqlx::query("SELECT * FROM api_tokens ORDER BY name").fetch_all(self.readers()).await?;
         rows.iter().map(token).collect()
     }
 
@@ -64,9 +64,9 @@ impl Auth {
                            VALUES (?, ?, ?, ?, ?, ?, ?, ?)";
         let add = sqlx::query(ADD).bind(&id).bind(name).bind(secret.shown()).bind(secret.digest());
         let add = add.bind(grant.name()).bind(by).bind(self.now()).bind(expires.map(Time::nanos));
-        add.execute(&self.pool).await.map_err(taken(name))?;
+        add.execute(self.writer()).await.map_err(taken(name))?;
         let row =
-            sqlx::query("SELECT * FROM api_tokens WHERE id = ?").bind(&id).fetch_one(&self.pool).await?;
+            sqlx::query("SELECT * FROM api_tokens WHERE id = ?").bind(&id).fetch_one(self.readers()).await?;
         Ok(NewToken { token: token(&row)?, secret })
     }
 
@@ -75,7 +75,7 @@ impl Auth {
         let revoke = sqlx::query(
             "UPDATE api_tokens SET revoked_ns = COALESCE(revoked_ns, ?) WHERE id = ? RETURNING *",
         );
-        let row = revoke.bind(self.now()).bind(id).fetch_optional(&self.pool).await?;
+        let row = revoke.bind(self.now()).bind(id).fetch_optional(self.writer()).await?;
         let unknown = || AuthError::Unknown { what: "token", id: id.into() };
         token(&row.ok_or_else(unknown)?)
     }

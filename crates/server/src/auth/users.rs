@@ -41,12 +41,12 @@ pub struct UserChange {
 
 impl Auth {
     pub(super) async fn has_users(&self) -> Result<bool, AuthError> {
-        Ok(sqlx::query("SELECT 1 FROM users LIMIT 1").fetch_optional(&self.pool).await?.is_some())
+        Ok(sqlx::query("SELECT 1 FROM users LIMIT 1").fetch_optional(self.readers()).await?.is_some())
     }
 
     /// All users by name.
     pub async fn users(&self) -> Result<Vec<User>, AuthError> {
-        let rows = sqlx::query("SELECT * FROM users ORDER BY name").fetch_all(&self.pool).await?;
+        let rows = sqlx::query("SELECT * FROM users ORDER BY name").fetch_all(self.readers()).await?;
         let now = self.now();
         rows.iter().map(|row| user(row, now)).collect()
     }
@@ -54,7 +54,7 @@ impl Auth {
     /// One user.
     pub async fn user(&self, name: &str) -> Result<User, AuthError> {
         let row = sqlx::query("SELECT * FROM users WHERE name = ?").bind(name.to_lowercase());
-        let row = row.fetch_optional(&self.pool).await?.ok_or_else(|| unknown(name))?;
+        let row = row.fetch_optional(self.readers()).await?.ok_or_else(|| unknown(name))?;
         user(&row, self.now())
     }
 
@@ -64,7 +64,7 @@ impl Auth {
         let hash = self.passwords.hash(password).await?;
         let add = "INSERT INTO users (id, name, role, password_hash, created_ns) VALUES (?, ?, ?, ?, ?)";
         let add = sqlx::query(add).bind(uuid::Uuid::now_v7().to_string()).bind(name).bind(role.name());
-        add.bind(hash).bind(self.now()).execute(&self.pool).await.map_err(taken(name))?;
+        add.bind(hash).bind(self.now()).execute(self.writer()).await.map_err(taken(name))?;
         self.user(name).await
     }
 
@@ -75,7 +75,7 @@ impl Auth {
             Some(password) => Some(self.passwords.hash(password).await?),
             None => None,
         };
-        let mut transaction = self.pool.begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
         let before = sqlx::query("SELECT * FROM users WHERE name = ?").bind(&name);
         let before = before.fetch_optional(&mut *transaction).await?.ok_or_else(|| unknown(&name))?;
         let before = user(&before, self.now())?;
@@ -98,7 +98,7 @@ impl Auth {
     /// Removes a user and their sessions.
     pub async fn remove_user(&self, name: &str) -> Result<(), AuthError> {
         let name = name.to_lowercase();
-        let mut transaction = self.pool.begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
         let end = "DELETE FROM sessions WHERE user_id = (SELECT id FROM users WHERE name = ?)";
         sqlx::query(end).bind(&name).execute(&mut *transaction).await?;
         let gone = sqlx::query("DELETE FROM users WHERE name = ?").bind(&name);

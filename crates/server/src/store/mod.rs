@@ -1,0 +1,122 @@
+//! What a mine's life leaves behind: tracks, events, alarms and who changed what, in one SQLite file.
+//!
+//! [`Store::open`] makes or opens the file and brings its schema up to date. [`Store::commit`] writes rounds of [`Record`]s in one
+//! transaction together with the position of the journal, so that a journal replayed after a crash writes nothing twice. One connection
+//! writes, a few read; a reader never waits for the writer (write-ahead log).
+//!
+//! `synchronous = FULL`: a commit is on the disk when it returns. `NORMAL` would be enough for what the journal can bring again, but
+//! users, tokens and refused log-ins are not in it, and the journal could be cut only after a checkpoint; the price is one `fsync` a commit.
+//!
+//! Units: times in ms (tracks) and ns, lengths in cm, on the mine's grid. docs/live/store.md tells tables, sizes and limits.
+
+mod audit;
+mod commit;
+mod error;
+mod migrations;
+mod names;
+mod packed;
+mod record;
+
+pub use audit::{AuditHead, AuditRow};
+pub use error::StoreError;
+pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Record, Round};
+
+use names::Names;
+use sqlx::sqlite::{SqliteAutoVacuum, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::Duration;
+
+/// How long a call waits for another process's lock.
+const BUSY: Duration = Duration::from_secs(5);
+/// How long a call waits for its turn at the writer, which a step of packing or of retention may hold.
+const TURN: Duration = Duration::from_secs(15);
+/// Readers at once; the next one waits for its turn.
+const READERS: u32 = 4;
+
+/// The store; cheap to clone, all clones are the same store.
+#[derive(Debug, Clone)]
+pub struct Store {
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    path: PathBuf,
+    writer: SqlitePool,
+    readers: SqlitePool,
+    names: RwLock<Names>,
+}
+
+impl Store {
+    /// Opens the store at `path`; makes it where there is none, and brings its schema up to date.
+    ///
+    /// # Errors
+    /// [`StoreError::NotADatabase`], [`StoreError::Foreign`], [`StoreError::NewerSchema`] leave the file as it was;
+    /// [`StoreError::Locked`], [`StoreError::Full`], [`StoreError::Io`], [`StoreError::Corrupt`].
+    pub async fn open(path: &Path) -> Result<Self, StoreError> {
+        let failed = |error: sqlx::Error| StoreError::of(path, &error);
+        let file = SqliteConnectOptions::new().filename(path).busy_timeout(BUSY).create_if_missing(true);
+        {
+            // As it is, before anything is set: the file of another program stays untouched.
+            use sqlx::{ConnectOptions as _, Connection as _};
+            let mut connection = file.clone().connect().await.map_err(failed)?;
+            migrations::check_owner(&mut connection, path).await?;
+            connection.close().await.map_err(failed)?;
+        }
+        let file = file.auto_vacuum(SqliteAutoVacuum::Incremental).journal_mode(SqliteJournalMode::Wal).synchronous(SqliteSynchronous::Full);
+        let writer = SqlitePoolOptions::new()
+            .max_connections(1)
+            .min_connections(1)
+            .acquire_timeout(TURN)
+            .idle_timeout(None)
+            .max_lifetime(None)
+            .connect_with(file.clone())
+            .await
+            .map_err(failed)?;
+        migrations::run(&mut *writer.acquire().await.map_err(failed)?, path).await?;
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS)
+            .acquire_timeout(TURN)
+            .connect_with(file.pragma("query_only", "on"))
+            .await
+            .map_err(failed)?;
+        let names = Names::read(&readers).await.map_err(failed)?;
+        Ok(Self { inner: Arc::new(Inner { path: path.to_path_buf(), writer, readers, names: RwLock::new(names) }) })
+    }
+
+    /// Where the file is.
+    pub fn path(&self) -> &Path {
+        &self.inner.path
+    }
+
+    /// Ends the connections; the write-ahead log goes into the file.
+    pub async fn close(&self) {
+        self.inner.readers.close().await;
+        self.inner.writer.close().await;
+    }
+
+    /// The one connection that writes, for tables of other parts of the server. Hold it briefly: everything waits for it.
+    pub(crate) fn writer(&self) -> &SqlitePool {
+        &self.inner.writer
+    }
+
+    /// Connections that only read.
+    pub(crate) fn readers(&self) -> &SqlitePool {
+        &self.inner.readers
+    }
+
+    /// An error of the database, with the path of the store.
+    pub(crate) fn failed(&self, error: &sqlx::Error) -> StoreError {
+        StoreError::of(self.path(), error)
+    }
+
+    /// Names as known now.
+    fn names(&self) -> Names {
+        self.inner.names.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn learn(&self, added: Names) {
+        self.inner.names.write().unwrap_or_else(PoisonError::into_inner).extend(added);
+    }
+}
