@@ -163,6 +163,10 @@ pub enum Ignored {
     Late,
     /// From further in the future than the rules bear.
     Future,
+    /// An id that is none.
+    BadId,
+    /// The state was read back and not attached to its mine.
+    NoMine,
     /// A coordinate, a radius or a charge that is none.
     NotANumber,
     /// The method itself says that it has lost the tag: it counts as heard, the last known position stays.

@@ -77,24 +77,20 @@ pub enum Event {
         /// How this is known.
         way: WayOut,
     },
-    /// A tag is not heard any more.
+    /// Somebody below is not heard any more, by none of their tags.
     ContactLost {
-        /// Id of the tag.
-        tag: String,
-        /// Who is followed by it.
+        /// Who.
         subject: Subject,
-        /// When it was heard last.
+        /// When they were heard last.
         last_heard: Time,
     },
-    /// A tag is heard again.
+    /// Somebody is heard again.
     ContactRegained {
-        /// Id of the tag.
-        tag: String,
-        /// Who is followed by it.
+        /// Who.
         subject: Subject,
-        /// When it had been heard last.
+        /// When they had been heard last.
         last_heard: Time,
-        /// When it was heard again.
+        /// When they were heard again.
         time: Time,
     },
     /// A tag that nobody has registered was heard for the first time.

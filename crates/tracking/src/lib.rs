@@ -12,12 +12,20 @@
 
 pub mod alarms;
 mod command;
+mod commands;
 pub mod evacuation;
 mod event;
+mod ground;
 mod input;
 pub mod people;
+mod presence;
+mod query;
 mod refused;
 pub mod rules;
+mod stage;
+mod tick;
+mod time;
+mod tracking;
 pub mod view;
 pub mod zones;
 
@@ -28,4 +36,5 @@ pub use input::{Activity, Battery, Button, Charge, Device, DeviceKind, Fix, Hear
 pub use people::{Assignment, Person, Subject, Tag, TagKind, Worn};
 pub use refused::Refused;
 pub use rules::{Rules, RulesError};
+pub use tracking::Tracking;
 pub use zones::LiveZone;

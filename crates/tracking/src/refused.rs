@@ -174,6 +174,9 @@ pub enum Refused {
     /// There is none to stop.
     #[error("no evacuation runs")]
     NotEvacuating,
+    /// The state was read back and not attached to its mine.
+    #[error("tracking was not attached to its mine")]
+    NoMine,
     /// The rules cannot be.
     #[error(transparent)]
     Rules(#[from] crate::rules::RulesError),

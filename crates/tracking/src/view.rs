@@ -155,6 +155,16 @@ impl Count {
     pub const fn heads(&self) -> u32 {
         self.people + self.unassigned_tags
     }
+
+    /// The part of a person, or of a tag of a kind that nobody is known to wear.
+    pub(crate) const fn of_mut(&mut self, is_person: bool, kind: TagKind) -> &mut u32 {
+        match (is_person, kind) {
+            (true, _) => &mut self.people,
+            (false, TagKind::Person) => &mut self.unassigned_tags,
+            (false, TagKind::Vehicle) => &mut self.vehicles,
+            (false, TagKind::Asset) => &mut self.assets,
+        }
+    }
 }
 
 /// A zone and how many are in it.

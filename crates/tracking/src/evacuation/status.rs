@@ -106,3 +106,18 @@ pub struct EvacuationView {
     /// Who stands how, by id.
     pub people: Vec<Evacuee>,
 }
+
+impl EvacuationSummary {
+    pub(crate) fn add(&mut self, status: EvacuationStatus, missing: bool) {
+        let count = match status {
+            EvacuationStatus::Out => &mut self.out,
+            EvacuationStatus::OtherLevel => &mut self.other_level,
+            EvacuationStatus::InRefuge => &mut self.in_refuge,
+            EvacuationStatus::MovingOut => &mut self.moving_out,
+            EvacuationStatus::NotMoving => &mut self.not_moving,
+            EvacuationStatus::Unknown => &mut self.unknown,
+        };
+        *count += 1;
+        self.missing += u32::from(missing);
+    }
+}

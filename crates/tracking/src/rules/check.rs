@@ -28,6 +28,7 @@ impl Rules {
             ("position.crossing_speed_m_s", self.position.crossing_speed_m_s),
             ("position.growth_m_s", self.position.growth_m_s),
             ("motion.still_after_s", self.motion.still_after_s),
+            ("motion.evidence_s", self.motion.evidence_s),
             ("motion.still_position_after_s", self.motion.still_position_after_s),
             ("shifts.limit_h", self.shifts.limit_h),
             ("evacuation.not_moving_after_s", self.evacuation.not_moving_after_s),

@@ -41,6 +41,8 @@ pub struct ContactRules {
     pub lost_after_s: f64,
     /// When nothing at all was heard for this long, the fault is not the tags': one alarm for all, s.
     pub silence_after_s: f64,
+    /// … and when at least so many people are below: a few may well be silent together.
+    pub silence_from_people: u32,
     /// A longer break between two ticks means that nobody listened: the time is not held against the tags, s.
     pub tick_gap_s: f64,
     /// What is stamped further ahead of its arrival than this is left out, s.
@@ -54,6 +56,7 @@ impl Default for ContactRules {
         Self {
             lost_after_s: 120.0,
             silence_after_s: 30.0,
+            silence_from_people: 5,
             tick_gap_s: 10.0,
             future_s: 2.0,
             unregistered_tags: 1000,
@@ -91,11 +94,13 @@ pub struct MotionRules {
     pub still_position_after_s: f64,
     /// How far somebody who does not move may seem to, m.
     pub still_radius_m: f64,
+    /// How long what a tag's sensors have said stays true; longer silence between two words begins a new count, s.
+    pub evidence_s: f64,
 }
 
 impl Default for MotionRules {
     fn default() -> Self {
-        Self { still_after_s: 300.0, still_position_after_s: 900.0, still_radius_m: 3.0 }
+        Self { still_after_s: 300.0, still_position_after_s: 900.0, still_radius_m: 3.0, evidence_s: 60.0 }
     }
 }
 
