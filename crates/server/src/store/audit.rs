@@ -9,21 +9,20 @@ use crate::store::record::AuditRecord;
 use crate::store::{Store, StoreError};
 use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use sha2::{Digest as _, Sha256};
-use sqlx::SqliteConnection;
+use sqlx::{Row as _, SqliteConnection};
 use std::fmt;
 use std::str::FromStr;
 
 /// Beginning of what is hashed: no other hash of adit is taken for one of the log.
 const DOMAIN: &[u8] = b"adit audit 1\n";
 /// Row of `audit_end` on which the first row left stands.
-const ANCHOR: i64 = 1;
+pub(crate) const ANCHOR: i64 = 1;
 /// Row of `audit_end` of the newest row.
-const HEAD: i64 = 2;
+pub(crate) const HEAD: i64 = 2;
 /// `what` of the row that retention writes before it takes rows away.
-const CUT: &str = "audit.cut";
-/// Rows read at once.
-const PAGE: i64 = 2000;
+pub(crate) const CUT: &str = "audit.cut";
 
 /// The end of a chain: number of a row, and the hash that holds it and everything before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,7 +70,8 @@ impl FromStr for AuditHead {
         }
         let mut hash = [0; 32];
         for (byte, at) in hash.iter_mut().zip((0..64).step_by(2)) {
-            *byte = u8::from_str_radix(digits.get(at..at + 2).unwrap_or_default(), 16).map_err(|_| unusable())?;
+            *byte =
+                u8::from_str_radix(digits.get(at..at + 2).unwrap_or_default(), 16).map_err(|_| unusable())?;
         }
         Ok(Self { number, hash })
     }
@@ -88,7 +88,7 @@ pub struct AuditRow {
 }
 
 /// The hash of a row on the one before; `detail` as it is stored.
-fn hash_of(number: u64, row: &AuditRecord, detail: &str, before: &[u8; 32]) -> [u8; 32] {
+pub(crate) fn hash_of(number: u64, row: &AuditRecord, detail: &str, before: &[u8; 32]) -> [u8; 32] {
     let mut hash = Sha256::new();
     hash.update(DOMAIN);
     hash.update(before);
@@ -101,15 +101,23 @@ fn hash_of(number: u64, row: &AuditRecord, detail: &str, before: &[u8; 32]) -> [
     hash.finalize().into()
 }
 
-async fn end(which: i64, connection: &mut SqliteConnection) -> Result<AuditHead, sqlx::Error> {
-    let (number, hash): (i64, Vec<u8>) =
-        sqlx::query_as("SELECT number, hash FROM audit_end WHERE id = ?1").bind(which).fetch_one(connection).await?;
-    let hash = hash.try_into().map_err(|hash: Vec<u8>| sqlx::Error::Decode(format!("audit_end {which}: a hash of {} bytes, expected 32", hash.len()).into()))?;
+pub(crate) async fn end(which: i64, connection: &mut SqliteConnection) -> Result<AuditHead, sqlx::Error> {
+    let (number, hash): (i64, Vec<u8>) = sqlx::query_as("SELECT number, hash FROM audit_end WHERE id = ?1")
+        .bind(which)
+        .fetch_one(connection)
+        .await?;
+    let hash = hash.try_into().map_err(|hash: Vec<u8>| {
+        sqlx::Error::Decode(format!("audit_end {which}: a hash of {} bytes, expected 32", hash.len()).into())
+    })?;
     Ok(AuditHead { number: number.cast_unsigned(), hash })
 }
 
 /// Puts a row after `head` (`None`: the newest stored); the new head is to be stored by [`write_head`] in the same transaction.
-pub(crate) async fn append(entry: &AuditRecord, head: Option<AuditHead>, connection: &mut SqliteConnection) -> Result<AuditHead, sqlx::Error> {
+pub(crate) async fn append(
+    entry: &AuditRecord,
+    head: Option<AuditHead>,
+    connection: &mut SqliteConnection,
+) -> Result<AuditHead, sqlx::Error> {
     let before = match head {
         Some(head) => head,
         None => end(HEAD, connection).await?,
@@ -132,7 +140,10 @@ pub(crate) async fn append(entry: &AuditRecord, head: Option<AuditHead>, connect
 }
 
 /// Stores the newest head.
-pub(crate) async fn write_head(head: &AuditHead, connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+pub(crate) async fn write_head(
+    head: &AuditHead,
+    connection: &mut SqliteConnection,
+) -> Result<(), sqlx::Error> {
     write_end(HEAD, head, connection).await
 }
 
@@ -156,4 +167,55 @@ impl Store {
         transaction.commit().await.map_err(failed)?;
         Ok(head)
     }
+}
+
+/// Takes away the oldest rows, those before the first that is not older than `limit`, and writes a row that says so: the chain stands on what that row
+/// names. Counts them.
+pub(crate) async fn cut(store: &Store, now: Time, limit: Time) -> Result<u64, StoreError> {
+    let failed = |error: sqlx::Error| store.failed(&error);
+    let mut transaction = store.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+    let anchor = end(ANCHOR, &mut transaction).await.map_err(failed)?;
+    let newest = end(HEAD, &mut transaction).await.map_err(failed)?;
+    let kept: Option<i64> = sqlx::query_scalar("SELECT min(number) FROM audit WHERE time_ns >= ?1")
+        .bind(limit.nanos())
+        .fetch_one(&mut *transaction)
+        .await
+        .map_err(failed)?;
+    let through = kept.map_or(newest.number, |kept| kept.cast_unsigned().saturating_sub(1));
+    if through <= anchor.number {
+        return Ok(0);
+    }
+    let row = sqlx::query("SELECT hash FROM audit WHERE number = ?1")
+        .bind(through.cast_signed())
+        .fetch_optional(&mut *transaction)
+        .await
+        .map_err(failed)?;
+    let hash: Option<[u8; 32]> =
+        row.and_then(|row| row.try_get::<Vec<u8>, _>(0).ok()).and_then(|hash| hash.try_into().ok());
+    let Some(hash) = hash else {
+        return Err(store.corrupt(format!(
+            "audit: no row {through} with a hash, expected rows {} to {}",
+            anchor.number + 1,
+            newest.number
+        )));
+    };
+    let to = AuditHead { number: through, hash };
+    let entry = AuditRecord {
+        time: now,
+        who: "adit".to_owned(),
+        what: CUT.to_owned(),
+        source: "retention".to_owned(),
+        outcome: "done".to_owned(),
+        detail: json!({ "through": to.to_string() }),
+    };
+    let head = append(&entry, Some(newest), &mut transaction).await.map_err(failed)?;
+    write_head(&head, &mut transaction).await.map_err(failed)?;
+    write_end(ANCHOR, &to, &mut transaction).await.map_err(failed)?;
+    let gone = sqlx::query("DELETE FROM audit WHERE number <= ?1")
+        .bind(through.cast_signed())
+        .execute(&mut *transaction)
+        .await
+        .map_err(failed)?;
+    transaction.commit().await.map_err(failed)?;
+    Ok(gone.rows_affected())
 }

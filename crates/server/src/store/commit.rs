@@ -51,7 +51,8 @@ impl Store {
         }
         let names = self.names();
         let mut naming = Naming::new(&names);
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(|error| self.failed(&error))?;
+        let mut transaction =
+            self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(|error| self.failed(&error))?;
         let outcome = match write_rounds(rounds, &mut naming, &mut transaction).await {
             Ok(outcome) => outcome,
             Err(error) => return Err(self.failed(&error)),
@@ -63,8 +64,13 @@ impl Store {
     }
 }
 
-async fn write_rounds(rounds: &[Round], naming: &mut Naming<'_>, connection: &mut SqliteConnection) -> Result<Committed, sqlx::Error> {
-    let position: i64 = sqlx::query_scalar("SELECT position FROM applied").fetch_one(&mut *connection).await?;
+async fn write_rounds(
+    rounds: &[Round],
+    naming: &mut Naming<'_>,
+    connection: &mut SqliteConnection,
+) -> Result<Committed, sqlx::Error> {
+    let position: i64 =
+        sqlx::query_scalar("SELECT position FROM applied").fetch_one(&mut *connection).await?;
     let mut outcome = Committed { applied: position.cast_unsigned(), ..Committed::default() };
     let mut fixes = Vec::new();
     let mut chain = None;
@@ -94,11 +100,18 @@ async fn write_rounds(rounds: &[Round], naming: &mut Naming<'_>, connection: &mu
     if let Some(head) = chain {
         audit::write_head(&head, connection).await?;
     }
-    sqlx::query("UPDATE applied SET position = ?1").bind(outcome.applied.cast_signed()).execute(connection).await?;
+    sqlx::query("UPDATE applied SET position = ?1")
+        .bind(outcome.applied.cast_signed())
+        .execute(connection)
+        .await?;
     Ok(outcome)
 }
 
-async fn packed(fix: &FixRecord, naming: &mut Naming<'_>, connection: &mut SqliteConnection) -> Result<Option<PackedFix>, sqlx::Error> {
+async fn packed(
+    fix: &FixRecord,
+    naming: &mut Naming<'_>,
+    connection: &mut SqliteConnection,
+) -> Result<Option<PackedFix>, sqlx::Error> {
     let Some(measures) = Measures::of(fix) else { return Ok(None) };
     Ok(Some(PackedFix {
         time_ms: measures.time_ms,
@@ -121,7 +134,18 @@ async fn write_fixes(fixes: &[PackedFix], connection: &mut SqliteConnection) -> 
             let mut query = sqlx::query(AssertSqlSafe(Arc::clone(statement)));
             for fix in now {
                 let [x, y, z] = fix.position_cm;
-                for number in [fix.time_ms, fix.tag, fix.person, x, y, z, fix.radius_cm, fix.quality, fix.level, fix.zone] {
+                for number in [
+                    fix.time_ms,
+                    fix.tag,
+                    fix.person,
+                    x,
+                    y,
+                    z,
+                    fix.radius_cm,
+                    fix.quality,
+                    fix.level,
+                    fix.zone,
+                ] {
                     query = query.bind(number);
                 }
             }
@@ -131,14 +155,19 @@ async fn write_fixes(fixes: &[PackedFix], connection: &mut SqliteConnection) -> 
     Ok(())
 }
 
-async fn write_event(event: &EventRecord, naming: &mut Naming<'_>, connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+async fn write_event(
+    event: &EventRecord,
+    naming: &mut Naming<'_>,
+    connection: &mut SqliteConnection,
+) -> Result<(), sqlx::Error> {
     let kind = naming.number(&event.kind, connection).await?;
-    let id: i64 = sqlx::query_scalar("INSERT INTO event (time_ns, kind, body) VALUES (?1, ?2, ?3) RETURNING id")
-        .bind(event.time.nanos())
-        .bind(kind)
-        .bind(event.body.to_string())
-        .fetch_one(&mut *connection)
-        .await?;
+    let id: i64 =
+        sqlx::query_scalar("INSERT INTO event (time_ns, kind, body) VALUES (?1, ?2, ?3) RETURNING id")
+            .bind(event.time.nanos())
+            .bind(kind)
+            .bind(event.body.to_string())
+            .fetch_one(&mut *connection)
+            .await?;
     for subject in &event.subjects {
         let subject = naming.number(subject, connection).await?;
         sqlx::query("INSERT OR IGNORE INTO event_subject (subject, time_ns, event) VALUES (?1, ?2, ?3)")
@@ -151,7 +180,11 @@ async fn write_event(event: &EventRecord, naming: &mut Naming<'_>, connection: &
     Ok(())
 }
 
-async fn write_alarm(alarm: &AlarmRecord, naming: &mut Naming<'_>, connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+async fn write_alarm(
+    alarm: &AlarmRecord,
+    naming: &mut Naming<'_>,
+    connection: &mut SqliteConnection,
+) -> Result<(), sqlx::Error> {
     let kind = naming.number(&alarm.kind, connection).await?;
     let state = naming.number(&alarm.state, connection).await?;
     let id: i64 = sqlx::query_scalar(

@@ -48,7 +48,9 @@ pub enum StoreError {
         expected: i64,
     },
     /// Written by a newer adit.
-    #[error("{path}: written by a newer adit: it has schema {found}, this adit knows up to {known}; update adit, or restore a backup of this version")]
+    #[error(
+        "{path}: written by a newer adit: it has schema {found}, this adit knows up to {known}; update adit, or restore a backup of this version"
+    )]
     NewerSchema {
         /// The store.
         path: PathBuf,

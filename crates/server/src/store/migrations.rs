@@ -18,9 +18,13 @@ const APPLICATION_ID: i64 = 0x6164_6974;
 /// Whether the file is adit's to open: new, or with its mark.
 pub(crate) async fn check_owner(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
     let failed = |error: sqlx::Error| StoreError::of(path, &error);
-    let (found,): (i64,) = sqlx::query_as("PRAGMA application_id").fetch_one(&mut *connection).await.map_err(failed)?;
+    let (found,): (i64,) =
+        sqlx::query_as("PRAGMA application_id").fetch_one(&mut *connection).await.map_err(failed)?;
     let (tables,): (i64,) =
-        sqlx::query_as("SELECT count(*) FROM sqlite_schema WHERE name <> '_sqlx_migrations'").fetch_one(connection).await.map_err(failed)?;
+        sqlx::query_as("SELECT count(*) FROM sqlite_schema WHERE name <> '_sqlx_migrations'")
+            .fetch_one(connection)
+            .await
+            .map_err(failed)?;
     if found == APPLICATION_ID || (found == 0 && tables == 0) {
         return Ok(());
     }
@@ -31,7 +35,9 @@ pub(crate) async fn check_owner(connection: &mut SqliteConnection, path: &Path) 
 pub(crate) async fn run(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
     let steps = STEPS
         .iter()
-        .map(|&(number, name, sql)| Migration::new(number, name.into(), MigrationType::Simple, sql.into_sql_str(), false))
+        .map(|&(number, name, sql)| {
+            Migration::new(number, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+        })
         .collect();
     let outcome = Migrator::with_migrations(steps).run_direct(None, &mut *connection, false).await;
     match outcome {
@@ -44,7 +50,9 @@ pub(crate) async fn run(connection: &mut SqliteConnection, path: &Path) -> Resul
             let known = STEPS.iter().map(|step| step.0).max().unwrap_or(0);
             Err(StoreError::NewerSchema { path: path.to_path_buf(), found, known })
         }
-        Err(MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _)) => Err(StoreError::of(path, &error)),
+        Err(MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _)) => {
+            Err(StoreError::of(path, &error))
+        }
         Err(other) => Err(StoreError::Schema { path: path.to_path_buf(), said: other.to_string() }),
     }
 }

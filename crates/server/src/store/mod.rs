@@ -10,19 +10,35 @@
 //! Units: times in ms (tracks) and ns, lengths in cm, on the mine's grid. docs/live/store.md tells tables, sizes and limits.
 
 mod audit;
+mod backup;
+mod chunk;
 mod commit;
+mod compact;
+mod decimate;
 mod error;
+mod logbook;
 mod migrations;
 mod names;
 mod packed;
 mod record;
+mod retention;
+mod track;
+mod verify;
 
 pub use audit::{AuditHead, AuditRow};
+pub use compact::Compacted;
 pub use error::StoreError;
+pub use logbook::{Cursor, LogPage, LogQuery};
 pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Record, Round};
+pub use retention::{Retained, Retention};
+pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
+pub use verify::{AuditBreak, AuditQuery, AuditVerdict};
 
 use names::Names;
-use sqlx::sqlite::{SqliteAutoVacuum, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::sqlite::{
+    SqliteAutoVacuum, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions,
+    SqliteSynchronous,
+};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
@@ -45,7 +61,8 @@ struct Inner {
     path: PathBuf,
     writer: SqlitePool,
     readers: SqlitePool,
-    names: RwLock<Names>,
+    names: RwLock<Arc<Names>>,
+    maintenance: tokio::sync::Mutex<()>,
 }
 
 impl Store {
@@ -64,7 +81,10 @@ impl Store {
             migrations::check_owner(&mut connection, path).await?;
             connection.close().await.map_err(failed)?;
         }
-        let file = file.auto_vacuum(SqliteAutoVacuum::Incremental).journal_mode(SqliteJournalMode::Wal).synchronous(SqliteSynchronous::Full);
+        let file = file
+            .auto_vacuum(SqliteAutoVacuum::Incremental)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full);
         let writer = SqlitePoolOptions::new()
             .max_connections(1)
             .min_connections(1)
@@ -82,7 +102,15 @@ impl Store {
             .await
             .map_err(failed)?;
         let names = Names::read(&readers).await.map_err(failed)?;
-        Ok(Self { inner: Arc::new(Inner { path: path.to_path_buf(), writer, readers, names: RwLock::new(names) }) })
+        Ok(Self {
+            inner: Arc::new(Inner {
+                path: path.to_path_buf(),
+                writer,
+                readers,
+                names: RwLock::new(Arc::new(names)),
+                maintenance: tokio::sync::Mutex::new(()),
+            }),
+        })
     }
 
     /// Where the file is.
@@ -111,12 +139,32 @@ impl Store {
         StoreError::of(self.path(), error)
     }
 
+    /// Damage, with the path of the store.
+    pub(crate) fn corrupt(&self, said: String) -> StoreError {
+        StoreError::Corrupt { path: self.path().to_path_buf(), said }
+    }
+
+    /// What is sound; what is not is told in the log and left out.
+    pub(crate) fn sound<T>(&self, found: Result<T, String>) -> Option<T> {
+        found
+            .inspect_err(|said| tracing::error!(path = %self.path().display(), "damaged, left out: {said}"))
+            .ok()
+    }
+
+    /// Packing and retention one after the other: each expects that chunks stay while it reads them.
+    async fn maintenance(&self) -> tokio::sync::MutexGuard<'_, ()> {
+        self.inner.maintenance.lock().await
+    }
+
     /// Names as known now.
-    fn names(&self) -> Names {
-        self.inner.names.read().unwrap_or_else(PoisonError::into_inner).clone()
+    fn names(&self) -> Arc<Names> {
+        Arc::clone(&self.inner.names.read().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn learn(&self, added: Names) {
-        self.inner.names.write().unwrap_or_else(PoisonError::into_inner).extend(added);
+        if !added.is_empty() {
+            Arc::make_mut(&mut self.inner.names.write().unwrap_or_else(PoisonError::into_inner))
+                .extend(added);
+        }
     }
 }

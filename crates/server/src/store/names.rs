@@ -32,6 +32,10 @@ impl Names {
         self.numbers.insert(name, number);
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
     /// Takes over what another knows.
     pub(crate) fn extend(&mut self, other: Self) {
         self.numbers.extend(other.numbers);
@@ -61,18 +65,30 @@ impl<'a> Naming<'a> {
     }
 
     /// The number of a name, given to it now if it has none.
-    pub(crate) async fn number(&mut self, name: &str, connection: &mut SqliteConnection) -> Result<i64, sqlx::Error> {
+    pub(crate) async fn number(
+        &mut self,
+        name: &str,
+        connection: &mut SqliteConnection,
+    ) -> Result<i64, sqlx::Error> {
         if let Some(number) = self.known.number(name).or_else(|| self.added.number(name)) {
             return Ok(number);
         }
-        sqlx::query("INSERT INTO name (name) VALUES (?1) ON CONFLICT DO NOTHING").bind(name).execute(&mut *connection).await?;
-        let (number,): (i64,) = sqlx::query_as("SELECT id FROM name WHERE name = ?1").bind(name).fetch_one(connection).await?;
+        sqlx::query("INSERT INTO name (name) VALUES (?1) ON CONFLICT DO NOTHING")
+            .bind(name)
+            .execute(&mut *connection)
+            .await?;
+        let (number,): (i64,) =
+            sqlx::query_as("SELECT id FROM name WHERE name = ?1").bind(name).fetch_one(connection).await?;
         self.added.add(name.into(), number);
         Ok(number)
     }
 
     /// The same, 0 for none.
-    pub(crate) async fn number_or_none(&mut self, name: Option<&str>, connection: &mut SqliteConnection) -> Result<i64, sqlx::Error> {
+    pub(crate) async fn number_or_none(
+        &mut self,
+        name: Option<&str>,
+        connection: &mut SqliteConnection,
+    ) -> Result<i64, sqlx::Error> {
         match name {
             Some(name) => self.number(name, connection).await,
             None => Ok(0),

@@ -77,7 +77,10 @@ pub(crate) const fn time_of_milliseconds(milliseconds: i64) -> Time {
 
 fn centimetres(metres: f64) -> Option<i64> {
     let centimetres = (metres * CENTIMETRES_PER_METRE).round();
-    #[expect(clippy::cast_possible_truncation, reason = "whole, and its range is checked in the same expression")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "whole, and its range is checked in the same expression"
+    )]
     (centimetres.abs() <= FARTHEST_CM).then_some(centimetres as i64)
 }
 
