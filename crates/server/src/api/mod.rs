@@ -15,6 +15,7 @@ mod routes;
 mod serve;
 mod timestamp;
 mod v1;
+mod view;
 
 pub use door::{CommandError, Door, DoorError, Knock, PositionReport, Receipt, Source};
 pub use error::{ApiError, Problem};
@@ -24,17 +25,19 @@ pub use openapi::document;
 pub use routes::Access;
 pub use serve::{TlsFiles, serve};
 pub use timestamp::Timestamp;
+pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
 use crate::auth::{Auth, Permission, WallClock};
 use crate::store::{AuditRecord, Store};
 use adit_mine::Mine;
+use adit_tracking::{Command, Outcome, Tracking};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::{HeaderValue, Method, header, request};
 use routes::Routes;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 use tower_http::cors::{AllowOrigin, CorsLayer};
 use tower_http::set_header::SetResponseHeaderLayer;
 use utoipa_axum::routes;
@@ -56,6 +59,8 @@ pub struct ApiSettings {
 pub struct Context {
     /// The mine.
     pub mine: Arc<Mine>,
+    /// The live state; the pipeline writes it, nobody else.
+    pub tracking: Arc<RwLock<Tracking>>,
     /// The way into the journal.
     pub door: Door,
     /// What was.
@@ -75,6 +80,16 @@ pub struct Context {
 }
 
 impl Context {
+    /// The live state, to read from; never held over an `await`.
+    fn tracking(&self) -> RwLockReadGuard<'_, Tracking> {
+        self.tracking.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What a caller wants, through the journal; the pipeline writes it into the audit log.
+    async fn command(&self, caller: &extract::Caller, command: Command) -> Result<Outcome, ApiError> {
+        Ok(self.door.command(caller.principal.name.clone(), command).await?)
+    }
+
     /// Writes into the audit log what is not a command of the journal.
     async fn audit(&self, who: &extract::Caller, what: &str, outcome: &str, detail: Value) -> Result<(), ApiError> {
         self.audit_as(&who.principal.name, who.address, what, outcome, detail).await

@@ -2,7 +2,6 @@
 
 use super::Problem;
 use axum::Json;
-use serde_json::Value;
 use std::sync::OnceLock;
 use utoipa::openapi::security::{ApiKey, ApiKeyValue, Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{ComponentsBuilder, InfoBuilder, OpenApi, OpenApiBuilder};
@@ -34,7 +33,7 @@ pub fn document() -> OpenApi {
 
 /// This file.
 #[utoipa::path(get, path = "/api/v1/openapi.json", tag = "api", responses(
-    (status = 200, description = "OpenAPI 3.1", body = Value),
+    (status = 200, description = "OpenAPI 3.1", body = serde_json::Value),
 ))]
 pub(super) async fn openapi() -> Json<&'static OpenApi> {
     static DOCUMENT: OnceLock<OpenApi> = OnceLock::new();
