@@ -13,6 +13,7 @@ mod metrics;
 mod openapi;
 mod routes;
 mod serve;
+mod socket;
 mod timestamp;
 mod v1;
 mod view;
@@ -28,6 +29,7 @@ pub use timestamp::Timestamp;
 pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
 use crate::auth::{Auth, Permission, WallClock};
+use crate::feed::Feed;
 use crate::store::{AuditRecord, Store};
 use adit_mine::Mine;
 use adit_tracking::{Command, Outcome, Tracking};
@@ -63,6 +65,8 @@ pub struct Context {
     pub tracking: Arc<RwLock<Tracking>>,
     /// The way into the journal.
     pub door: Door,
+    /// What happens.
+    pub feed: Arc<Feed>,
     /// What was.
     pub store: Store,
     /// Who may.

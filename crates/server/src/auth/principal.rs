@@ -54,6 +54,15 @@ impl Auth {
         }
     }
 
+    /// The same principal as things stand now; `None` when session or token have ended.
+    pub async fn again(&self, principal: &Principal) -> Result<Option<Principal>, AuthError> {
+        let digest = principal.digest.clone();
+        match principal.credential {
+            Credential::Session => self.of_session(digest).await,
+            Credential::Token => self.of_token(digest).await,
+        }
+    }
+
     async fn of_session(&self, digest: Vec<u8>) -> Result<Option<Principal>, AuthError> {
         const SESSION: &str = "SELECT u.name, u.role, s.created_ns, s.seen_ns FROM sessions s JOIN users u ON u.id = s.user_id \
                                WHERE s.digest = ? AND u.disabled = 0";

@@ -59,7 +59,7 @@ impl House {
             tokens.insert(grant.name(), token.secret.expose().to_owned());
         }
         let mine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../mines/two-level.toml");
-        let mine = Arc::new(adit_mine::file::open(&mine)?.mine);
+        let mine = Arc::new(adit_mine::file::open(&mine)?.0);
         let tracking = Arc::new(RwLock::new(Tracking::new(Arc::clone(&mine), Rules::default())?));
         let feed = Feed::new(feed, Arc::clone(&tracking));
         let (door, knocks) = Door::new(1000);
@@ -119,7 +119,7 @@ impl House {
         let mut events = Vec::new();
         let heard = hear(&self.context.tracking, &Input::Fix(fix.clone()), &mut events);
         if heard.is_ok() {
-            self.context.feed.tell(now(), &[fix], &events);
+            self.context.feed.tell(&[fix], &events);
         }
     }
 
@@ -199,7 +199,7 @@ async fn answer(mut knocks: mpsc::Receiver<Knock>, tracking: Arc<RwLock<Tracking
             Record::Event(EventRecord { time, kind: json.event.into(), subjects, body })
         });
         let records: Vec<Record> = records.collect();
-        feed.tell(now(), &fixes, &events);
+        feed.tell(&fixes, &events);
         if store.commit(position, records).await.is_err() {
             return;
         }

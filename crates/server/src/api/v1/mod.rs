@@ -2,6 +2,7 @@
 
 mod alarms;
 mod history;
+mod live_socket;
 pub(super) mod people;
 mod session;
 mod site;
@@ -44,6 +45,7 @@ fn account(routes: Routes) -> Routes {
 fn live(routes: Routes) -> Routes {
     routes
         .needs(Permission::SeeLive, routes!(people::below))
+        .needs(Permission::SeeLive, routes!(live_socket::watch))
         .needs(Permission::SeeLive, routes!(people::list))
         .needs(Permission::ManagePeople, routes!(people::add))
         .needs(Permission::SeeLive, routes!(people::show))
@@ -71,6 +73,7 @@ fn live(routes: Routes) -> Routes {
         .needs(Permission::Evacuate, routes!(alarms::start))
         .needs(Permission::EndEvacuation, routes!(alarms::stop))
         .needs(Permission::SeeLive, routes!(site::plan))
+        .needs(Permission::SeeLive, routes!(site::plan_geojson))
 }
 
 /// What is changed has the id that the path says.

@@ -5,6 +5,7 @@ use crate::api::{ApiError, Context, Source};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, header};
+use axum::response::IntoResponse;
 use serde::Serialize;
 use serde_json::Value;
 use std::sync::Arc;
@@ -15,6 +16,15 @@ use utoipa::ToSchema;
 pub(super) async fn plan(State(context): State<Arc<Context>>) -> Result<axum::Json<Value>, ApiError> {
     let plan = serde_json::to_value(context.mine.plan());
     plan.map(axum::Json).map_err(|error| ApiError::internal(&error))
+}
+
+/// The mine's plan as `GeoJSON` on the mine's grid, a feature for each entry.
+#[utoipa::path(get, path = "/api/v1/mine.geojson", tag = "mine", responses(
+    (status = 200, description = "a feature collection", body = Value, content_type = "application/geo+json"),
+))]
+pub(super) async fn plan_geojson(State(context): State<Arc<Context>>) -> Result<impl IntoResponse, ApiError> {
+    let text = adit_mine::file::to_geojson(context.mine.plan()).map_err(|error| ApiError::internal(&error))?;
+    Ok(([(header::CONTENT_TYPE, "application/geo+json")], text))
 }
 
 /// The settings in force, without secrets.
