@@ -65,6 +65,22 @@ pub enum ServerError {
     /// The store failed.
     #[error(transparent)]
     Store(#[from] crate::store::StoreError),
+    /// A file of a certificate cannot be used.
+    #[error("{path}: expected {expected}: {found}")]
+    Tls {
+        /// Which file.
+        path: PathBuf,
+        /// What it should hold.
+        expected: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// The socket of the API failed.
+    #[error("the socket of the API: {source}")]
+    Listen {
+        /// What the system said.
+        source: std::io::Error,
+    },
 }
 
 impl ServerError {
