@@ -75,6 +75,17 @@ pub enum ServerError {
         /// What was found.
         found: String,
     },
+    /// The address of the API cannot be had.
+    #[error("{address}: {source}")]
+    Bind {
+        /// Which.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Users, sessions or tokens failed.
+    #[error(transparent)]
+    Auth(#[from] crate::auth::AuthError),
     /// The socket of the API failed.
     #[error("the socket of the API: {source}")]
     Listen {

@@ -13,6 +13,5 @@ mod run;
 pub mod store;
 mod writer;
 
-pub use clock::now;
 pub use error::ServerError;
-pub use run::{Parts, Settings, start};
+pub use run::{Server, Settings};

@@ -16,7 +16,7 @@ pub use texts::Texts;
 pub use viewer::{Gone, News, Viewer};
 
 use adit_tracking::view::LastKnown;
-use adit_tracking::{Event, Fix, Subject, Tracking};
+use adit_tracking::{Event, Subject, Tracking};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -133,12 +133,12 @@ impl Feed {
         feed
     }
 
-    /// What a round came to. Does not wait.
-    pub fn tell(&self, fixes: &[Fix], events: &[Event]) {
+    /// What a round came to: tags that have moved, and what happened. Does not wait.
+    pub fn tell<'a>(&self, moved: impl IntoIterator<Item = &'a str>, events: &[Event]) {
         let mut board = self.board();
-        for fix in fixes {
-            if !board.dirty.contains(fix.tag.as_str()) {
-                board.dirty.insert(fix.tag.as_str().into());
+        for tag in moved {
+            if !board.dirty.contains(tag) {
+                board.dirty.insert(tag.into());
             }
         }
         if events.is_empty() {
