@@ -68,6 +68,33 @@ pub enum ServerError {
     /// An export could not be written in its format.
     #[error("export: {0}")]
     Export(String),
+    /// A file of a certificate cannot be used.
+    #[error("{path}: expected {expected}: {found}")]
+    Tls {
+        /// Which file.
+        path: PathBuf,
+        /// What it should hold.
+        expected: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// The address of the API cannot be had.
+    #[error("{address}: {source}")]
+    Bind {
+        /// Which.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Users, sessions or tokens failed.
+    #[error(transparent)]
+    Auth(#[from] crate::auth::AuthError),
+    /// The socket of the API failed.
+    #[error("the socket of the API: {source}")]
+    Listen {
+        /// What the system said.
+        source: std::io::Error,
+    },
 }
 
 impl ServerError {

@@ -1,8 +1,11 @@
 //! From the gateways to positions, alarms and an open API.
 
+pub mod api;
+pub mod auth;
 mod clock;
 mod error;
 pub mod export;
+pub mod feed;
 pub mod ingest;
 pub mod journal;
 pub mod pipeline;
@@ -10,6 +13,5 @@ mod run;
 pub mod store;
 mod writer;
 
-pub use clock::now;
 pub use error::ServerError;
-pub use run::{Parts, Settings, start};
+pub use run::{Server, Settings};

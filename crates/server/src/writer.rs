@@ -3,6 +3,7 @@
 //! Rounds wait here while the store is locked or the disk is full, and are tried again. Past [`MOST_FIXES`] waiting fixes the oldest fixes
 //! are given up, counted (`adit_fixes_given_up_total`) and logged: a track has a hole then. Events are kept.
 
+use crate::api::{Health, Part};
 use crate::pipeline::{RoundOutcome, TrackedFix};
 use crate::store::{AlarmRecord, EventRecord, FixRecord, Record, Retention, Round, Store, StoreError};
 use adit_core::time::Time;
@@ -11,6 +12,7 @@ use adit_tracking::{About, Alarm, Event, Subject};
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::Instant;
@@ -28,9 +30,11 @@ pub async fn write(
     mine: Arc<Mine>,
     retention: Retention,
     now: impl Fn() -> Time,
-    mut outcomes: mpsc::UnboundedReceiver<Arc<RoundOutcome>>,
+    stored: Arc<AtomicU64>,
+    health: Arc<Health>,
+    mut outcomes: mpsc::UnboundedReceiver<RoundOutcome>,
 ) {
-    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0 };
+    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0, stored };
     let mut maintenance = Instant::now() + MAINTENANCE;
     let mut open = true;
     while open || !desk.waiting.is_empty() {
@@ -48,6 +52,7 @@ pub async fn write(
         if let Err(error) = desk.commit().await {
             metrics::counter!("adit_store_failures_total").increment(1);
             tracing::warn!("{error}; {} rounds wait", desk.waiting.len());
+            health.tell(Part::Store, Err(error.to_string()));
             if !open {
                 // What waits is in the journal, and is written at the next start.
                 return;
@@ -57,6 +62,7 @@ pub async fn write(
             continue;
         }
         desk.retry = RETRY.0;
+        health.tell(Part::Store, Ok(()));
         if Instant::now() >= maintenance {
             desk.maintain(now(), &retention).await;
             maintenance = Instant::now() + MAINTENANCE;
@@ -70,6 +76,7 @@ struct Desk {
     waiting: VecDeque<Round>,
     fixes: usize,
     retry: Duration,
+    stored: Arc<AtomicU64>,
 }
 
 impl Desk {
@@ -110,6 +117,7 @@ impl Desk {
         let written = self.store.commit_rounds(self.waiting.make_contiguous()).await?;
         metrics::histogram!("adit_store_commit_seconds").record(started.elapsed());
         metrics::counter!("adit_stored_records_total").increment(written.written);
+        self.stored.store(written.applied, Ordering::Release);
         self.waiting.clear();
         self.fixes = 0;
         Ok(())

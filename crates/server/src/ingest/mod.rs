@@ -5,6 +5,7 @@
 //! after [`PATIENCE`].
 
 mod door;
+pub mod knocks;
 pub mod mqtt;
 
 pub use door::{

@@ -5,10 +5,10 @@
 //! session is kept by the broker (`clean_session = false`): what is sent while the server is away waits there. What is no batch is acknowledged, counted
 //! and logged: sent again it would be none either.
 
+use crate::api::{Health, Part};
 use super::door::{Door, DoorError, Source};
 use rumqttc::{AsyncClient, ConnectionError, Event, EventLoop, MqttOptions, Packet, Publish, QoS, Transport};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::{Semaphore, watch};
 
@@ -34,29 +34,16 @@ pub struct MqttSettings {
     pub tls: Option<Arc<rustls::ClientConfig>>,
 }
 
-/// How the broker is, for `/health`.
-#[derive(Debug, Default)]
-pub struct BrokerState {
-    connected: AtomicBool,
-}
-
-impl BrokerState {
-    /// Whether the broker is there.
-    pub fn is_connected(&self) -> bool {
-        self.connected.load(Ordering::Relaxed)
-    }
-}
-
 /// Listens until it is told to stop; never ends by an error of the broker or of a message.
 pub async fn listen(
     settings: &MqttSettings,
     door: Door,
-    state: Arc<BrokerState>,
+    health: Arc<Health>,
     mut stop: watch::Receiver<bool>,
 ) {
     let (client, mut events) = connect(settings);
     let places = Arc::new(Semaphore::new(MOST_IN_FLIGHT.into()));
-    let mut wait = RETRY.0;
+    let (mut wait, mut connected) = (RETRY.0, false);
     loop {
         let event = tokio::select! {
             event = events.poll() => event,
@@ -65,7 +52,8 @@ pub async fn listen(
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 wait = RETRY.0;
-                state.connected.store(true, Ordering::Relaxed);
+                health.tell(Part::Broker, Ok(()));
+                connected = true;
                 tracing::info!("broker {}:{}: connected", settings.host, settings.port);
                 for topic in ["obs", "status"] {
                     let filter = format!("adit/v1/{}/+/{topic}", settings.site);
@@ -83,7 +71,7 @@ pub async fn listen(
             }
             Ok(_) => {}
             Err(error) => {
-                if state.connected.swap(false, Ordering::Relaxed) {
+                if std::mem::take(&mut connected) {
                     metrics::counter!("adit_broker_losses_total").increment(1);
                 }
                 tracing::warn!(
@@ -102,7 +90,6 @@ pub async fn listen(
     }
     // The broker keeps the session.
     let _ = client.try_disconnect();
-    state.connected.store(false, Ordering::Relaxed);
 }
 
 fn connect(settings: &MqttSettings) -> (AsyncClient, EventLoop) {

@@ -23,6 +23,8 @@ mod profile;
 mod rounds;
 mod shard;
 mod snapshot;
+#[cfg(test)]
+mod tests;
 
 pub use estimator::Settings;
 pub use follower::{TagCounts, TagHealth};

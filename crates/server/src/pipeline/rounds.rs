@@ -15,6 +15,7 @@ use adit_tracking::{Command, Event, Fix, Input, Refused, Rules, Tracking};
 use prost::bytes::Bytes;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
@@ -24,6 +25,9 @@ use tokio::sync::oneshot;
 const MOST_ENTRIES: usize = 16_384;
 /// How long the thread waits for entries before it looks for questions.
 const PATIENCE: Duration = Duration::from_millis(20);
+
+/// How long the end waits for the store.
+const STORE_PATIENCE: Duration = Duration::from_secs(10);
 
 /// What a pipeline needs to know.
 pub struct PipelineSettings {
@@ -39,6 +43,9 @@ pub struct PipelineSettings {
     pub folder: PathBuf,
     /// A snapshot is made this often.
     pub snapshot_every: Duration,
+    /// The last entry of which the store has what came of it; whoever writes to the store says so. A snapshot counts only when the store
+    /// is as far: what came of entries before it cannot be found again.
+    pub stored: Arc<AtomicU64>,
 }
 
 /// A question to the thread.
@@ -55,8 +62,10 @@ pub struct Pipeline {
     tracking: Arc<RwLock<Tracking>>,
     /// The last entry that the tracking has.
     position: Position,
-    /// The last entry of which the store has what came of it.
-    stored: Position,
+    /// The last entry of which the store had what came of it at the start.
+    told: Position,
+    /// The same now.
+    stored: Arc<AtomicU64>,
     snapshots: Snapshots,
     snapshot_every: Duration,
     running: Option<Running>,
@@ -70,6 +79,8 @@ struct Running {
     /// Tags a round.
     quota: usize,
     gateways: Option<oneshot::Receiver<(Position, Gateways)>>,
+    /// The entry of the tracking, once it is written.
+    written: Option<Position>,
 }
 
 /// A pipeline as the disk has it.
@@ -87,7 +98,7 @@ pub struct Started {
 impl Pipeline {
     /// As the newest snapshot has it; new, where there is none.
     pub fn open(settings: PipelineSettings) -> Result<Started, ServerError> {
-        let PipelineSettings { mine, profiles, rules, shards, folder, snapshot_every } = settings;
+        let PipelineSettings { mine, profiles, rules, shards, folder, snapshot_every, stored } = settings;
         let snapshots = Snapshots::open(&folder.join("snapshots"))?;
         let mut shards: Vec<_> = (0..shards.max(1)).map(|_| Shard::new(Arc::clone(&profiles))).collect();
         let (tracking, devices, position, gateways, from) = match snapshots.newest()? {
@@ -110,7 +121,8 @@ impl Pipeline {
             shards,
             tracking: Arc::new(RwLock::new(tracking)),
             position,
-            stored: 0,
+            told: stored.load(Ordering::Acquire),
+            stored,
             snapshots,
             snapshot_every,
             running: None,
@@ -135,18 +147,16 @@ impl Pipeline {
         self.shards.iter().map(Shard::tags).sum()
     }
 
-    /// Takes the journal from the snapshot on; what came of entries after `stored` is told, as when it happened. `progress` hears of the
-    /// entries taken.
+    /// Takes the journal from the snapshot on; what came of entries that the store does not have is told, as when it happened. `progress`
+    /// hears of the entries taken.
     pub fn replay(
         &mut self,
-        stored: Position,
         started: (&Journal, Position),
         gateways: &mut (Position, Gateways),
         mut outlet: impl FnMut(RoundOutcome),
         mut progress: impl FnMut(Position),
     ) -> Result<(), ServerError> {
         let (journal, from) = started;
-        self.stored = stored;
         if from >= journal.next() {
             return Ok(());
         }
@@ -208,7 +218,7 @@ impl Pipeline {
     }
 
     /// How a tag is followed.
-    fn health(&self, tag: &str) -> Option<TagHealth> {
+    pub(super) fn health(&self, tag: &str) -> Option<TagHealth> {
         self.shards[shard_of(tag, self.shards.len())].health(tag)
     }
 
@@ -224,6 +234,14 @@ impl Pipeline {
         }
         let gateways = committer.ask_gateways().and_then(|asked| asked.blocking_recv().ok());
         let Some(gateways) = gateways else { return };
+        let patience = Instant::now() + STORE_PATIENCE;
+        while self.stored.load(Ordering::Acquire) < self.position {
+            if Instant::now() > patience {
+                tracing::warn!("the store is behind: no snapshot; the next start reads the journal instead");
+                return;
+            }
+            std::thread::sleep(PATIENCE);
+        }
         let kept = self.snapshots.begin().and_then(|mut writing| {
             for shard in &mut self.shards {
                 shard.begin_snapshot();
@@ -325,7 +343,7 @@ impl Pipeline {
                 hear(&mut tracking, now, Input::Device(device), &mut outcome);
             }
             outcome.arrived = now;
-            if position.is_some_and(|position| position <= self.stored) {
+            if position.is_some_and(|position| position <= self.told) {
                 outcome.fixes.clear();
                 outcome.events.clear();
             }
@@ -338,7 +356,7 @@ impl Pipeline {
     }
 
     /// Goes on with the running snapshot, or begins one.
-    fn keep(&mut self, committer: &Committer) {
+    pub(super) fn keep(&mut self, committer: &Committer) {
         if self.running.is_none() && self.last_snapshot.elapsed() < self.snapshot_every {
             return;
         }
@@ -360,44 +378,18 @@ impl Pipeline {
                 // A round lasts for some tens of ms under load: the whole in a quarter of the time between snapshots.
                 let rounds = (4 * self.snapshot_every.as_millis() / PATIENCE.as_millis() / 16).max(1);
                 let quota = self.tags() / usize::try_from(rounds).unwrap_or(1) / self.shards.len() + 1;
-                Running { writing: self.snapshots.begin()?, quota, gateways: None }
+                Running { writing: self.snapshots.begin()?, quota, gateways: None, written: None }
             }
         };
-        let quota = running.quota;
-        let next: Vec<_> = self.shards.par_iter_mut().flat_map_iter(|shard| shard.next_kept(quota)).collect();
-        let more = !next.is_empty();
-        for (tag, follower) in next {
-            running.writing.tag(tag, follower)?;
-        }
-        if more {
-            self.running = Some(running);
-            return Ok(());
-        }
-        // What gateways have sent is asked of the journal's thread, which must not be waited for.
-        let Some(asked) = &mut running.gateways else {
-            running.gateways = committer.ask_gateways();
+        let Some(position) = running.written else {
+            running = self.keep_more(running, committer)?;
             self.running = Some(running);
             return Ok(());
         };
-        let gateways = match asked.try_recv() {
-            Ok(gateways) => gateways,
-            Err(oneshot::error::TryRecvError::Empty) => {
-                self.running = Some(running);
-                return Ok(());
-            }
-            Err(oneshot::error::TryRecvError::Closed) => {
-                running.gateways = None;
-                self.running = Some(running);
-                return Ok(());
-            }
-        };
-        for shard in &mut self.shards {
-            for (tag, follower) in shard.not_kept() {
-                running.writing.tag(tag, follower)?;
-            }
+        if self.stored.load(Ordering::Acquire) < position {
+            self.running = Some(running);
+            return Ok(());
         }
-        let position = self.position;
-        running.writing.server(self.state(gateways))?;
         self.last_snapshot = Instant::now();
         let (snapshots, committer) = (self.snapshots.clone(), committer.clone());
         let finish = move || match snapshots.finish(running.writing, position) {
@@ -410,6 +402,40 @@ impl Pipeline {
             .spawn(finish)
             .map(|_| ())
             .map_err(|source| ServerError::Thread { name: "snapshot", source })
+    }
+
+    /// Some more tags; when there are none, what is of one moment.
+    fn keep_more(&mut self, mut running: Running, committer: &Committer) -> Result<Running, ServerError> {
+        let quota = running.quota;
+        let next: Vec<_> = self.shards.par_iter_mut().flat_map_iter(|shard| shard.next_kept(quota)).collect();
+        let more = !next.is_empty();
+        for (tag, follower) in next {
+            running.writing.tag(tag, follower)?;
+        }
+        if more {
+            return Ok(running);
+        }
+        // What gateways have sent is asked of the journal's thread, which must not be waited for.
+        let Some(asked) = &mut running.gateways else {
+            running.gateways = committer.ask_gateways();
+            return Ok(running);
+        };
+        let gateways = match asked.try_recv() {
+            Ok(gateways) => gateways,
+            Err(oneshot::error::TryRecvError::Empty) => return Ok(running),
+            Err(oneshot::error::TryRecvError::Closed) => {
+                running.gateways = None;
+                return Ok(running);
+            }
+        };
+        for shard in &mut self.shards {
+            for (tag, follower) in shard.not_kept() {
+                running.writing.tag(tag, follower)?;
+            }
+        }
+        running.writing.server(self.state(gateways))?;
+        running.written = Some(self.position);
+        Ok(running)
     }
 }
 
