@@ -13,7 +13,7 @@ pub(crate) fn head<T: Exported>() -> Result<Vec<u8>, String> {
     for column in T::COLUMNS {
         match column.cell {
             Cell::Time(_) | Cell::OptionalTime(_) => {
-                names.extend([format!("{}_s", column.name), format!("{}_utc", column.name)])
+                names.extend([format!("{}_s", column.name), format!("{}_utc", column.name)]);
             }
             _ => names.push(column.name.to_owned()),
         }

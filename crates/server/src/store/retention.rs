@@ -11,7 +11,7 @@ use sqlx::{AssertSqlSafe, Row as _};
 const NANOS_PER_HOUR: i64 = 3_600_000_000_000;
 const NANOS_PER_DAY: i64 = 86_400_000_000_000;
 /// Rows taken away in one transaction.
-const AT_ONCE: i64 = 1000;
+const AT_ONCE: u32 = 1000;
 /// Pages given back in one transaction: 8 MB.
 const PAGES: i64 = 2000;
 
@@ -83,7 +83,7 @@ impl Store {
             .await
             .map_err(failed)?;
             fixes += counts.iter().sum::<i64>();
-            if (counts.len() as i64) < AT_ONCE {
+            if (counts.len() as u64) < u64::from(AT_ONCE) {
                 break;
             }
         }
@@ -94,10 +94,9 @@ impl Store {
                 .execute(self.writer())
                 .await
                 .map_err(failed)?
-                .rows_affected()
-                .cast_signed();
-            fixes += gone;
-            if gone < AT_ONCE {
+                .rows_affected();
+            fixes += gone.cast_signed();
+            if gone < u64::from(AT_ONCE) {
                 break;
             }
         }
@@ -138,12 +137,12 @@ impl Store {
             sqlx::query("UPDATE track_chunk SET from_ms = ?2, count = ?3, columns = ?4 WHERE id = ?1")
                 .bind(id)
                 .bind(first.time_ms)
-                .bind(fixes.len() as i64)
+                .bind((fixes.len() as u64).cast_signed())
                 .bind(columns)
                 .execute(self.writer())
                 .await
                 .map_err(failed)?;
-            gone += (before - fixes.len()) as i64;
+            gone += ((before - fixes.len()) as u64).cast_signed();
         }
         Ok(gone)
     }
@@ -167,7 +166,7 @@ impl Store {
             }
             transaction.commit().await?;
             gone += ids.len() as u64;
-            if (ids.len() as i64) < AT_ONCE {
+            if (ids.len() as u64) < u64::from(AT_ONCE) {
                 return Ok(gone);
             }
         }
