@@ -66,6 +66,7 @@ CREATE TABLE event_subject (
     subject INTEGER NOT NULL REFERENCES name (id),
     time_ns INTEGER NOT NULL,
     event INTEGER NOT NULL,
+    place INTEGER NOT NULL,
     PRIMARY KEY (subject, time_ns, event)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX event_subject_event ON event_subject (event);
@@ -86,6 +87,7 @@ CREATE INDEX alarm_cleared ON alarm (cleared_ns);
 CREATE TABLE alarm_subject (
     subject INTEGER NOT NULL REFERENCES name (id),
     alarm INTEGER NOT NULL,
+    place INTEGER NOT NULL,
     PRIMARY KEY (subject, alarm)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX alarm_subject_alarm ON alarm_subject (alarm);

@@ -34,6 +34,17 @@ pub enum ServerError {
         /// The first that is there.
         oldest: Position,
     },
+    /// A snapshot cannot be used.
+    #[error("{path}: {what}: the snapshot cannot be used")]
+    Snapshot {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        what: String,
+    },
+    /// The rules of the tracking are none.
+    #[error(transparent)]
+    Rules(#[from] adit_tracking::RulesError),
     /// A thread could not be started.
     #[error("thread {name}: {source}")]
     Thread {
@@ -42,6 +53,9 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The start was interrupted.
+    #[error("the start was interrupted")]
+    Stopped,
     /// No file is open to write to, after an earlier failure.
     #[error("{path}: cannot be made")]
     NoSegment {

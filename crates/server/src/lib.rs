@@ -2,10 +2,17 @@
 
 pub mod api;
 pub mod auth;
+mod clock;
 mod error;
 pub mod export;
 pub mod feed;
+pub mod ingest;
 pub mod journal;
+pub mod pipeline;
+mod run;
 pub mod store;
+mod writer;
 
+pub use clock::now;
 pub use error::ServerError;
+pub use run::{Parts, Settings, start};

@@ -201,7 +201,7 @@ impl Tracking {
 
     fn fix(&mut self, fix: &Fix, events: &mut Vec<Event>) -> Result<(), Ignored> {
         let p = fix.position_m.raw();
-        let velocity = fix.velocity_m_s.map_or(true, |v| v.raw().iter().all(|x| x.is_finite()));
+        let velocity = fix.velocity_m_s.is_none_or(|v| v.raw().iter().all(|x| x.is_finite()));
         let radii = [fix.radius_95_m, fix.protection_level_m];
         // Coordinates as the check of a mine wants them.
         let place = p.iter().all(|x| x.abs() <= 1e7);

@@ -42,7 +42,8 @@ impl Ways {
         let along = self.targets.iter().filter(|target| target.edge == from.edge);
         let along = along.filter_map(|target| Some((network.clamped(target)? - at_m).abs()));
         let doors = network.doors(from)?;
-        let through = doors.iter().filter_map(|door| Some(door.way_m + self.from_node_m.get(door.node.index())?));
+        let through =
+            doors.iter().filter_map(|door| Some(door.way_m + self.from_node_m.get(door.node.index())?));
         let length_m = along.chain(through).fold(f64::INFINITY, f64::min);
         length_m.is_finite().then_some(length_m)
     }

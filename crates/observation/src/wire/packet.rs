@@ -123,7 +123,19 @@ impl PacketReader {
     }
 }
 
+/// The tag of a packet; the rest is passed over.
+#[derive(Clone, PartialEq, Message)]
+struct TagOnly {
+    #[prost(string, tag = "1")]
+    tag: String,
+}
+
 impl Packet {
+    /// The tag of a packet, of which nothing else is read; `None` when it is none.
+    pub fn tag_of(bytes: &Bytes) -> Option<String> {
+        TagOnly::decode(bytes.clone()).ok().map(|packet| packet.tag)
+    }
+
     /// As bytes. Inertial and magnetic readings at even times become counts of the resolution, to half of which they are
     /// rounded; all else is exact.
     pub fn to_bytes(&self, resolution: &Resolution) -> Vec<u8> {

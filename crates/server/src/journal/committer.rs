@@ -5,6 +5,7 @@ use super::seen::Seen;
 use super::{Journal, Position};
 use crate::error::ServerError;
 use adit_core::time::Time;
+use adit_tracking::{Outcome, Refused};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -60,8 +61,8 @@ pub struct Committed {
     pub waiting: Option<Waiting>,
 }
 
-/// Where the outcome of a command goes, as JSON: done, or why not.
-pub type Waiting = oneshot::Sender<Result<serde_json::Value, String>>;
+/// Where the outcome of a command goes: done, or why not.
+pub type Waiting = oneshot::Sender<Result<Outcome, Refused>>;
 
 /// What gateways have sent so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

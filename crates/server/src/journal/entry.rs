@@ -52,9 +52,9 @@ pub struct OutsidePosition {
     /// The provider: known as a tag.
     #[prost(string, tag = "1")]
     pub tag: String,
-    /// When it was valid, ns since the Unix epoch.
-    #[prost(sfixed64, tag = "2")]
-    pub time_ns: i64,
+    /// When it was valid, ns since the Unix epoch; when it arrived, where nobody says.
+    #[prost(sfixed64, optional, tag = "2")]
+    pub time_ns: Option<i64>,
     /// East, north, up in the mine's grid, m.
     #[prost(double, tag = "3")]
     pub x_m: f64,

@@ -161,10 +161,10 @@ impl Store {
     /// Writes what is not in the journal into the audit log: log-ins, refused calls. On the disk when it returns.
     pub async fn audit(&self, entry: &AuditRecord) -> Result<AuditHead, StoreError> {
         let failed = |error: sqlx::Error| self.failed(&error);
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+        let mut transaction = self.write().await?;
         let head = append(entry, None, &mut transaction).await.map_err(failed)?;
         write_head(&head, &mut transaction).await.map_err(failed)?;
-        transaction.commit().await.map_err(failed)?;
+        transaction.commit().await?;
         Ok(head)
     }
 }
@@ -173,7 +173,7 @@ impl Store {
 /// names. Counts them.
 pub(crate) async fn cut(store: &Store, now: Time, limit: Time) -> Result<u64, StoreError> {
     let failed = |error: sqlx::Error| store.failed(&error);
-    let mut transaction = store.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+    let mut transaction = store.write().await?;
     let anchor = end(ANCHOR, &mut transaction).await.map_err(failed)?;
     let newest = end(HEAD, &mut transaction).await.map_err(failed)?;
     let kept: Option<i64> = sqlx::query_scalar("SELECT min(number) FROM audit WHERE time_ns >= ?1")
@@ -216,6 +216,6 @@ pub(crate) async fn cut(store: &Store, now: Time, limit: Time) -> Result<u64, St
         .execute(&mut *transaction)
         .await
         .map_err(failed)?;
-    transaction.commit().await.map_err(failed)?;
+    transaction.commit().await?;
     Ok(gone.rows_affected())
 }

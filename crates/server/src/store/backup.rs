@@ -1,6 +1,8 @@
 //! A copy of the whole store while it is in use.
 
 use crate::store::{Store, StoreError};
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions as _, Connection as _};
 use std::path::Path;
 
 impl Store {
@@ -18,11 +20,18 @@ impl Store {
             found: part.path().display().to_string(),
             expected: "one of Unicode".to_owned(),
         })?;
+        // A connection of its own: one that may only read refuses this, and the writer is not to wait.
+        let mut connection = SqliteConnectOptions::new()
+            .filename(self.path())
+            .connect()
+            .await
+            .map_err(|error| self.failed(&error))?;
         sqlx::query("VACUUM INTO ?1")
             .bind(name)
-            .execute(self.readers())
+            .execute(&mut connection)
             .await
             .map_err(|error| StoreError::of(to, &error))?;
+        connection.close().await.map_err(|error| StoreError::of(to, &error))?;
         part.as_file().sync_all().map_err(io)?;
         part.persist_noclobber(to).map_err(|error| io(error.error))?;
         Ok(())

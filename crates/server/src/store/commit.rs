@@ -51,13 +51,12 @@ impl Store {
         }
         let names = self.names();
         let mut naming = Naming::new(&names);
-        let mut transaction =
-            self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(|error| self.failed(&error))?;
+        let mut transaction = self.write().await?;
         let outcome = match write_rounds(rounds, &mut naming, &mut transaction).await {
             Ok(outcome) => outcome,
             Err(error) => return Err(self.failed(&error)),
         };
-        transaction.commit().await.map_err(|error| self.failed(&error))?;
+        transaction.commit().await?;
         let added = naming.added;
         self.learn(added);
         Ok(outcome)
@@ -168,14 +167,17 @@ async fn write_event(
             .bind(event.body.to_string())
             .fetch_one(&mut *connection)
             .await?;
-    for subject in &event.subjects {
+    for (place, subject) in (0_i64..).zip(&event.subjects) {
         let subject = naming.number(subject, connection).await?;
-        sqlx::query("INSERT OR IGNORE INTO event_subject (subject, time_ns, event) VALUES (?1, ?2, ?3)")
-            .bind(subject)
-            .bind(event.time.nanos())
-            .bind(id)
-            .execute(&mut *connection)
-            .await?;
+        sqlx::query(
+            "INSERT OR IGNORE INTO event_subject (subject, time_ns, event, place) VALUES (?1, ?2, ?3, ?4)",
+        )
+        .bind(subject)
+        .bind(event.time.nanos())
+        .bind(id)
+        .bind(place)
+        .execute(&mut *connection)
+        .await?;
     }
     Ok(())
 }
@@ -203,11 +205,12 @@ async fn write_alarm(
     .fetch_one(&mut *connection)
     .await?;
     sqlx::query("DELETE FROM alarm_subject WHERE alarm = ?1").bind(id).execute(&mut *connection).await?;
-    for subject in &alarm.subjects {
+    for (place, subject) in (0_i64..).zip(&alarm.subjects) {
         let subject = naming.number(subject, connection).await?;
-        sqlx::query("INSERT OR IGNORE INTO alarm_subject (subject, alarm) VALUES (?1, ?2)")
+        sqlx::query("INSERT OR IGNORE INTO alarm_subject (subject, alarm, place) VALUES (?1, ?2, ?3)")
             .bind(subject)
             .bind(id)
+            .bind(place)
             .execute(&mut *connection)
             .await?;
     }

@@ -4,7 +4,7 @@
 //! [`WHOLE`] fixes together, or are [`PARTS`], they become whole chunks. So the table of recent fixes stays short enough to be searched, and
 //! each fix is packed twice in its life. Chunks of one tag never overlap in time: where a late fix falls into a chunk, that one is packed anew.
 
-use crate::store::chunk;
+use crate::store::chunk::{self, Effort};
 use crate::store::packed::{PackedFix, milliseconds};
 use crate::store::track::{recent_fix, unpacked};
 use crate::store::{Store, StoreError};
@@ -22,7 +22,7 @@ const PARTS: i64 = 64;
 /// Nothing is packed before its oldest fix is so old, ms.
 const SETTLED_MS: i64 = 30_000;
 /// Recent fixes packed in one transaction.
-const AT_ONCE: i64 = 200_000;
+const AT_ONCE: i64 = 400_000;
 /// Tags whose small chunks are joined in one transaction.
 const TAGS_AT_ONCE: usize = 64;
 
@@ -103,7 +103,7 @@ impl Store {
         }
         let tags: Vec<i64> = fixes.keys().copied().collect();
         let chunks = self.packed_off_thread(fixes.into_values().collect(), false).await?;
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+        let mut transaction = self.write().await?;
         for tag in tags {
             sqlx::query("INSERT OR IGNORE INTO track_tag (tag) VALUES (?1)")
                 .bind(tag)
@@ -117,7 +117,7 @@ impl Store {
             .execute(&mut *transaction)
             .await
             .map_err(failed)?;
-        transaction.commit().await.map_err(failed)?;
+        transaction.commit().await?;
         done.fixes += count.cast_unsigned();
         done.chunks += chunks.len() as u64;
         Ok(count == AT_ONCE)
@@ -200,7 +200,7 @@ impl Store {
         }
         let chunks = self.packed_off_thread(runs, true).await?;
         if !tags.is_empty() {
-            let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+            let mut transaction = self.write().await?;
             for id in damaged {
                 sqlx::query("UPDATE track_chunk SET whole = 1 WHERE id = ?1")
                     .bind(id)
@@ -209,7 +209,7 @@ impl Store {
                     .map_err(failed)?;
             }
             replace(&replaced, &chunks, &mut transaction).await.map_err(failed)?;
-            transaction.commit().await.map_err(failed)?;
+            transaction.commit().await?;
         }
         done.joined += replaced.len() as u64;
         done.chunks += chunks.len() as u64;
@@ -250,14 +250,16 @@ fn pack(fixes: &[PackedFix], whole: bool, chunks: &mut Vec<NewChunk>) -> Result<
         let pieces = (run.len() / WHOLE).max(1);
         for piece in run.chunks(run.len().div_ceil(pieces)) {
             let (Some(from), Some(until)) = (piece.first(), piece.last()) else { continue };
+            let whole = whole || piece.len() >= ENOUGH;
+            let effort = if whole { Effort::Small } else { Effort::Quick };
             chunks.push(NewChunk {
                 tag: from.tag,
                 person: from.person,
                 from_ms: from.time_ms,
                 until_ms: until.time_ms,
                 count: piece.len(),
-                whole: whole || piece.len() >= ENOUGH,
-                columns: chunk::pack(piece)?,
+                whole,
+                columns: chunk::pack(piece, effort)?,
             });
         }
     }

@@ -91,7 +91,7 @@ impl Store {
     pub async fn events(&self, query: &LogQuery) -> Result<LogPage<EventRecord>, StoreError> {
         let mut sql = QueryBuilder::new(
             "SELECT e.id, e.time_ns AS at_ns, (SELECT name FROM name WHERE id = e.kind) AS kind, e.body,
-               (SELECT json_group_array(n.name) FROM event_subject s JOIN name n ON n.id = s.subject WHERE s.event = e.id) AS subjects FROM event e",
+               (SELECT json_group_array(n.name ORDER BY s.place) FROM event_subject s JOIN name n ON n.id = s.subject WHERE s.event = e.id) AS subjects FROM event e",
         );
         if let Some(subject) = &query.subject {
             sql.push(
@@ -112,7 +112,7 @@ impl Store {
         let mut sql = QueryBuilder::new(
             "SELECT a.id, a.alarm, a.raised_ns AS at_ns, a.changed_ns, a.cleared_ns, (SELECT name FROM name WHERE id = a.kind) AS kind,
                (SELECT name FROM name WHERE id = a.state) AS state, a.body,
-               (SELECT json_group_array(n.name) FROM alarm_subject s JOIN name n ON n.id = s.subject WHERE s.alarm = a.id) AS subjects FROM alarm a",
+               (SELECT json_group_array(n.name ORDER BY s.place) FROM alarm_subject s JOIN name n ON n.id = s.subject WHERE s.alarm = a.id) AS subjects FROM alarm a",
         );
         if let Some(subject) = &query.subject {
             sql.push(
@@ -135,7 +135,7 @@ impl Store {
         let row = sqlx::query(
             "SELECT a.id, a.alarm, a.raised_ns AS at_ns, a.changed_ns, a.cleared_ns, (SELECT name FROM name WHERE id = a.kind) AS kind,
                (SELECT name FROM name WHERE id = a.state) AS state, a.body,
-               (SELECT json_group_array(n.name) FROM alarm_subject s JOIN name n ON n.id = s.subject WHERE s.alarm = a.id) AS subjects
+               (SELECT json_group_array(n.name ORDER BY s.place) FROM alarm_subject s JOIN name n ON n.id = s.subject WHERE s.alarm = a.id) AS subjects
              FROM alarm a WHERE a.alarm = ?1",
         )
         .bind(id)

@@ -24,6 +24,7 @@ mod record;
 mod retention;
 mod track;
 mod verify;
+mod writing;
 
 pub use audit::{AuditHead, AuditRow};
 pub use compact::Compacted;
@@ -72,6 +73,11 @@ impl Store {
     /// [`StoreError::NotADatabase`], [`StoreError::Foreign`], [`StoreError::NewerSchema`] leave the file as it was;
     /// [`StoreError::Locked`], [`StoreError::Full`], [`StoreError::Io`], [`StoreError::Corrupt`].
     pub async fn open(path: &Path) -> Result<Self, StoreError> {
+        Self::open_limited(path, u32::MAX - 1).await
+    }
+
+    /// The same, for a file that shall not grow past so many pages of 4096 bytes: then it is [`StoreError::Full`].
+    pub async fn open_limited(path: &Path, pages: u32) -> Result<Self, StoreError> {
         let failed = |error: sqlx::Error| StoreError::of(path, &error);
         let file = SqliteConnectOptions::new().filename(path).busy_timeout(BUSY).create_if_missing(true);
         {
@@ -84,7 +90,10 @@ impl Store {
         let file = file
             .auto_vacuum(SqliteAutoVacuum::Incremental)
             .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full);
+            .synchronous(SqliteSynchronous::Full)
+            // What is taken away is overwritten where that costs no further writing.
+            .pragma("secure_delete", "fast")
+            .pragma("max_page_count", pages.to_string());
         let writer = SqlitePoolOptions::new()
             .max_connections(1)
             .min_connections(1)

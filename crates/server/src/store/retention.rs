@@ -1,6 +1,6 @@
 //! What is too old goes, in steps that hold the writer briefly, and its space goes back to the disk.
 
-use crate::store::chunk;
+use crate::store::chunk::{self, Effort};
 use crate::store::packed::milliseconds;
 use crate::store::track::unpacked;
 use crate::store::{Store, StoreError, audit};
@@ -132,7 +132,7 @@ impl Store {
             let before = fixes.len();
             fixes.retain(|fix| fix.time_ms >= limit_ms);
             let Some(first) = fixes.first() else { continue };
-            let columns = chunk::pack(&fixes).map_err(|said| self.corrupt(said))?;
+            let columns = chunk::pack(&fixes, Effort::Small).map_err(|said| self.corrupt(said))?;
             sqlx::query("UPDATE track_chunk SET from_ms = ?2, count = ?3, columns = ?4 WHERE id = ?1")
                 .bind(id)
                 .bind(first.time_ms)
@@ -150,7 +150,7 @@ impl Store {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut gone = 0;
         loop {
-            let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
+            let mut transaction = self.write().await?;
             let ids: Vec<i64> = sqlx::query_scalar(log.old)
                 .bind(limit.nanos())
                 .bind(AT_ONCE)
@@ -163,7 +163,7 @@ impl Store {
                 let statement = format!("DELETE FROM {table} WHERE {column} IN ({list})");
                 sqlx::raw_sql(AssertSqlSafe(statement)).execute(&mut *transaction).await.map_err(failed)?;
             }
-            transaction.commit().await.map_err(failed)?;
+            transaction.commit().await?;
             gone += ids.len() as u64;
             if (ids.len() as i64) < AT_ONCE {
                 return Ok(gone);

@@ -2,7 +2,9 @@
 
 use adit_core::solution::Quality;
 use adit_core::time::Time;
-use adit_server::store::{AlarmRecord, AuditRecord, EventRecord, FixRecord, Record, Round, Store};
+use adit_server::store::{
+    AlarmRecord, AuditRecord, EventRecord, FixRecord, Record, Round, Store, TrackOf, TrackQuery,
+};
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -81,4 +83,31 @@ pub fn audit(who: &str, seconds: i64) -> AuditRecord {
 
 pub fn round(position: u64, records: Vec<Record>) -> Round {
     Round { position, records }
+}
+
+/// All of a track, page by page.
+pub async fn track(store: &Store, of: TrackOf, from: Time, until: Time) -> Vec<FixRecord> {
+    let mut query = TrackQuery { of, from, until };
+    let mut fixes = Vec::new();
+    loop {
+        let page = store.track_page(&query).await.unwrap();
+        fixes.extend(page.fixes);
+        match page.next {
+            Some(next) => {
+                assert!(next > query.from, "a page must get on");
+                query.from = next;
+            }
+            None => return fixes,
+        }
+    }
+}
+
+pub async fn whole_track(store: &Store, tag: &str) -> Vec<FixRecord> {
+    track(store, TrackOf::Tag(tag.to_owned()), at(-400 * 86_400), at(400 * 86_400)).await
+}
+
+/// The file as another program would open it.
+pub async fn raw(site: &Site) -> sqlx::SqliteConnection {
+    use sqlx::{ConnectOptions as _, sqlite::SqliteConnectOptions};
+    SqliteConnectOptions::new().filename(site.folder.path().join("adit.db")).connect().await.unwrap()
 }

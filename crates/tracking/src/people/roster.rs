@@ -115,11 +115,9 @@ impl Roster {
             (heard, tag.and_then(|tag| tag.assignments.first()).map(|given| given.from), (*id).clone())
         };
         let lead = record.tags.iter().max_by_key(rank).cloned();
-        if let Some(record) = self.people.get_mut(person) {
-            if record.lead != lead {
-                record.lead = lead;
-                record.presence.stillness = Stillness::default();
-            }
+        if let Some(record) = self.people.get_mut(person).filter(|record| record.lead != lead) {
+            record.lead = lead;
+            record.presence.stillness = Stillness::default();
         }
     }
 

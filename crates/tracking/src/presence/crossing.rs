@@ -207,11 +207,11 @@ impl Presence {
             None if shape.takes(level, to.plan_m(), to.radius_95_m) => (to.time, Entry::Appeared),
             None => return,
         };
-        // One that was left a moment ago is not entered before that.
-        let left = changes
-            .iter()
-            .filter(|change| matches!(change, Change::Left { zone: left, .. } if *left == zone));
-        let time = left.map(Change::time).fold(time, Time::max);
+        // The passage that ended a stay does not begin another.
+        let is_left = |change: &&Change| matches!(change, Change::Left { zone: left, .. } if *left == zone);
+        if changes.iter().filter(is_left).any(|left| left.time() > time) {
+            return;
+        }
         changes.push(Change::Entered { zone, time, entry });
         let mut leaving = None;
         if let Some((path, (_, last))) = through
