@@ -8,7 +8,7 @@ use crate::radio_site;
 use adit_estimation::methods::MethodSettings;
 use adit_estimation::radio::RadioSite;
 use adit_observation::sidecar::{Location, Sidecar};
-use adit_server::Settings;
+use adit_server::{Serving, Settings};
 use adit_server::api::{ApiSettings, TlsFiles};
 use adit_server::auth::AuthSettings;
 use adit_server::feed::FeedSettings;
@@ -138,7 +138,7 @@ fn fused() -> String {
 }
 
 /// Settings of the flags and of the file; paths in the file are beside it.
-pub fn settings(args: &ServeArgs) -> Result<Settings> {
+pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
     let (mut file, folder) = match &args.config {
         None => (ServeFile::default(), PathBuf::new()),
         Some(path) => {
@@ -167,7 +167,15 @@ pub fn settings(args: &ServeArgs) -> Result<Settings> {
         bail!("[pipeline] snapshot_s: found {snapshot_s}, expected 1 to 3600");
     }
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    Ok(Settings {
+    let serving = Serving {
+        listen: file.api.listen,
+        tls: tls(&file.api, &folder)?,
+        api: ApiSettings { open_metrics: file.api.open_metrics, secure_cookies: file.api.secure_cookies },
+        auth: file.auth,
+        feed: file.feed,
+        shown,
+    };
+    let settings = Settings {
         mqtt: file.mqtt.as_ref().map(|mqtt| broker(mqtt, &file.site.name, &folder)).transpose()?,
         site: file.site.name,
         mine: Arc::new(mine),
@@ -177,13 +185,8 @@ pub fn settings(args: &ServeArgs) -> Result<Settings> {
         shards: file.pipeline.threads.unwrap_or_else(cores).clamp(1, 256),
         snapshot_every: Duration::from_secs_f64(snapshot_s),
         retention: file.retention,
-        listen: file.api.listen,
-        tls: tls(&file.api, &folder)?,
-        api: ApiSettings { open_metrics: file.api.open_metrics, secure_cookies: file.api.secure_cookies },
-        auth: file.auth,
-        feed: file.feed,
-        shown,
-    })
+    };
+    Ok((settings, serving))
 }
 
 fn tls(api: &ApiPart, folder: &Path) -> Result<Option<TlsFiles>> {

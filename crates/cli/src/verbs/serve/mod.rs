@@ -14,12 +14,12 @@ const PULSE: Duration = Duration::from_millis(100);
 
 /// Serves until Ctrl-C.
 pub fn run(args: &ServeArgs) -> Result<()> {
-    let settings = file::settings(args)?;
+    let (settings, serving) = file::settings(args)?;
     let (site, data) = (settings.site.clone(), settings.data.clone());
-    let secure = settings.tls.is_some();
+    let secure = serving.tls.is_some();
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("no runtime")?;
     runtime.block_on(async {
-        let mut server = Server::start(settings).await?;
+        let mut server = Server::start(settings, serving).await?;
         let scheme = if secure { "https" } else { "http" };
         output::print(&format!("{site}: {scheme}://{} keeps everything in {}\n", server.address, data.display()))?;
         if let Some(password) = &server.first_password {
