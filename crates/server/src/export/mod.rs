@@ -1,0 +1,1 @@
+//! Tracks, events and alarms as files for other programs: CSV, GeoJSON, Parquet.

@@ -1,0 +1,10 @@
+//! The store from outside: what goes in comes out, once, in little room, and what is wrong is told.
+
+mod audit;
+mod common;
+mod failure;
+mod logbook;
+mod once;
+mod packing;
+mod retention;
+mod walk;
