@@ -65,6 +65,9 @@ pub enum ServerError {
     /// The store failed.
     #[error(transparent)]
     Store(#[from] crate::store::StoreError),
+    /// An export could not be written in its format.
+    #[error("export: {0}")]
+    Export(String),
     /// A file of a certificate cannot be used.
     #[error("{path}: expected {expected}: {found}")]
     Tls {
