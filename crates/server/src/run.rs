@@ -1,23 +1,20 @@
-//! All parts together: one process for one mine.
+//! The parts that work, without the API: journal, pipeline, store, broker.
 
-use crate::api::{self, ApiSettings, Context, Health, Metrics, TlsFiles};
-use crate::auth::{Auth, AuthSettings, WallClock};
+use crate::api::Health;
 use crate::clock;
 use crate::error::ServerError;
-use crate::feed::{Feed, FeedSettings};
+use crate::ingest::Door;
 use crate::ingest::mqtt::{self, MqttSettings};
-use crate::ingest::{Door, knocks};
 use crate::journal::Committer;
 use crate::pipeline::{Asked, Pipeline, PipelineSettings, Profiles, RoundOutcome, Started};
 use crate::store::{Retention, Store};
 use crate::writer;
 use adit_mine::Mine;
-use adit_tracking::Rules;
-use std::net::{SocketAddr, TcpListener};
+use adit_tracking::{Rules, Tracking};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, RwLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
@@ -43,145 +40,101 @@ pub struct Settings {
     pub retention: Retention,
     /// The broker of the gateways, where there is one.
     pub mqtt: Option<MqttSettings>,
-    /// Address of the API.
-    pub listen: SocketAddr,
-    /// Certificate and key of the API, where it speaks TLS itself.
-    pub tls: Option<TlsFiles>,
-    /// How the API behaves.
-    pub api: ApiSettings,
-    /// Sessions and log-ins.
-    pub auth: AuthSettings,
-    /// The live feed.
-    pub feed: FeedSettings,
-    /// The settings as they are shown to users; without secrets.
-    pub shown: serde_json::Value,
 }
 
-/// So many requests of the API may wait for the journal.
-const KNOCKS: usize = 4096;
-
-/// A server at work.
-pub struct Server {
-    /// Where the API listens: the port that was given, or the one that was free.
-    pub address: SocketAddr,
-    /// Password of the user `admin`, at the first start only.
-    pub first_password: Option<String>,
+/// The parts that work, for whoever serves the API.
+pub struct Parts {
+    /// The way in.
+    pub door: Door,
+    /// The live state.
+    pub tracking: Arc<RwLock<Tracking>>,
+    /// History.
+    pub store: Store,
+    /// Questions to the pipeline.
+    pub asked: Sender<Asked>,
+    /// How the parts are.
+    pub health: Arc<Health>,
     stop: watch::Sender<bool>,
-    served: tokio::task::JoinHandle<Result<(), ServerError>>,
-    asked: Sender<Asked>,
-    door: Door,
-    store: Store,
     tasks: Vec<tokio::task::JoinHandle<()>>,
     threads: Vec<JoinHandle<()>>,
 }
 
-impl Server {
-    /// Starts everything: reads what is kept, takes the journal from there on, then listens.
-    pub async fn start(settings: Settings) -> Result<Self, ServerError> {
-        let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, .. } = settings;
-        std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
-        // Before anything is read: a port that is taken is told at once.
-        let listener = TcpListener::bind(settings.listen)
-            .map_err(|source| ServerError::Bind { address: settings.listen, source })?;
-        let address = listener.local_addr().map_err(|source| ServerError::Listen { source })?;
-        let tls = settings.tls.as_ref().map(TlsFiles::read).transpose()?;
-        let metrics = Metrics::of_process();
-        let store = Store::open(&data.join("adit.sqlite")).await?;
-        let wall: WallClock = Arc::new(clock::now);
-        let auth = Auth::open(store.clone(), settings.auth, Arc::clone(&wall)).await?;
-        let first_password = auth.first_admin().await?;
+/// Starts everything but the API: reads what is kept, takes the journal from there on, then listens. `told` hears of each round.
+pub async fn start(
+    settings: Settings,
+    mut told: impl FnMut(&RoundOutcome, &RwLock<Tracking>) + Send + 'static,
+) -> Result<Parts, ServerError> {
+    let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, .. } = settings;
+    std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
+    let store = Store::open(&data.join("adit.sqlite")).await?;
+    let stored = Arc::new(AtomicU64::new(store.applied().await?));
+    let (writing, outcomes) = mpsc::unbounded_channel();
+    let mut tasks = Vec::new();
+    let health = Arc::new(Health::default());
+    let written = Arc::clone(&stored);
+    tasks.push(tokio::spawn(writer::write(
+        store.clone(),
+        Arc::clone(&mine),
+        retention,
+        clock::now,
+        written,
+        Arc::clone(&health),
+        outcomes,
+    )));
 
-        let stored = Arc::new(AtomicU64::new(store.applied().await?));
-        let (writing, outcomes) = mpsc::unbounded_channel();
-        let written = Arc::clone(&stored);
-        let health = Arc::new(Health::default());
-        let writer =
-            writer::write(store.clone(), Arc::clone(&mine), retention, clock::now, written, Arc::clone(&health), outcomes);
-        let mut tasks = vec![tokio::spawn(writer)];
-
-        let (folder, plan) = (data.clone(), Arc::clone(&mine));
-        let feed_settings = settings.feed;
-        let opened = tokio::task::spawn_blocking(move || {
-            let settings = PipelineSettings { mine: plan, profiles, rules, shards, folder, snapshot_every, stored };
-            let Started { mut pipeline, journal, from, mut gateways } = Pipeline::open(settings)?;
-            let end = journal.next();
-            if from < end {
-                tracing::info!("taking entries {from} to {} of the journal again", end - 1);
-            }
-            let feed = Feed::new(feed_settings, pipeline.tracking());
-            let viewers = Arc::clone(&feed);
-            let mut outlet = move |outcome: RoundOutcome| {
-                viewers.tell(outcome.fixes.iter().map(|tracked| tracked.fix.tag.as_str()), &outcome.events);
-                // The writer ends after everybody who tells it.
-                let _ = writing.send(outcome);
-            };
-            pipeline.replay((&journal, from), &mut gateways, &mut outlet, |position| {
-                tracing::info!("entry {position} of {}", end - 1);
-            })?;
-            Ok::<_, ServerError>((pipeline, journal, gateways.1, feed, outlet))
-        });
-        let (pipeline, journal, gateways, feed, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
-        let tracking = pipeline.tracking();
-
-        let (committer, groups, journal_thread) =
-            Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
-        let (asked, questions) = channel();
-        let trimmer = committer.clone();
-        let pipeline_thread = std::thread::Builder::new()
-            .name("pipeline".to_owned())
-            .spawn(move || pipeline.run(&groups, &questions, &trimmer, outlet))
-            .map_err(|source| ServerError::Thread { name: "pipeline", source })?;
-
-        let door = Door::new(committer);
-        let (stop, stopped) = watch::channel(false);
-        tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
-        let (api_door, knocks) = api::Door::new(KNOCKS);
-        tasks.push(tokio::spawn(knocks::answer(door.clone(), knocks)));
-        if let Some(mqtt) = mqtt {
-            let (door, health, stopped) = (door.clone(), Arc::clone(&health), stopped.clone());
-            tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, health, stopped).await }));
+    let folder = data.clone();
+    let opened = tokio::task::spawn_blocking(move || {
+        let settings = PipelineSettings { mine, profiles, rules, shards, folder, snapshot_every, stored };
+        let Started { mut pipeline, journal, from, mut gateways } = Pipeline::open(settings)?;
+        let end = journal.next();
+        if from < end {
+            tracing::info!("taking entries {from} to {} of the journal again", end - 1);
         }
-        let context = Arc::new(Context {
-            mine,
-            door: api_door,
-            tracking,
-            feed,
-            store: store.clone(),
-            auth,
-            health,
-            metrics,
-            settings: settings.api,
-            shown_settings: settings.shown,
-            clock: wall,
-        });
-        let mut until = stopped;
-        let end = async move {
-            // The sender is gone when the server is.
-            let _ = until.wait_for(|stop| *stop).await;
+        let tracking = pipeline.tracking();
+        let mut outlet = move |outcome: RoundOutcome| {
+            told(&outcome, &tracking);
+            // The writer ends after everybody who tells it.
+            let _ = writing.send(outcome);
         };
-        let served = tokio::spawn(api::serve(context, listener, tls, end));
-        let threads = vec![pipeline_thread, journal_thread];
-        Ok(Self { address, first_password, stop, served, asked, door, store, tasks, threads })
-    }
+        pipeline.replay((&journal, from), &mut gateways, &mut outlet, |position| {
+            tracing::info!("entry {position} of {}", end - 1);
+        })?;
+        Ok::<_, ServerError>((pipeline, journal, gateways.1, outlet))
+    });
+    let (pipeline, journal, gateways, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
+    let tracking = pipeline.tracking();
 
-    /// Waits until the API ends by itself, which it does by an error only.
-    pub async fn served(&mut self) -> Result<(), ServerError> {
-        (&mut self.served).await.unwrap_or(Err(ServerError::Stopped))
-    }
+    let (committer, groups, journal_thread) = Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
+    let (asked, questions) = channel();
+    let trimmer = committer.clone();
+    let pipeline_thread = std::thread::Builder::new()
+        .name("pipeline".to_owned())
+        .spawn(move || pipeline.run(&groups, &questions, &trimmer, outlet))
+        .map_err(|source| ServerError::Thread { name: "pipeline", source })?;
 
-    /// Ends everything: answers under way may end, what has come is taken, stored and kept.
+    let door = Door::new(committer);
+    let (stop, stopped) = watch::channel(false);
+    tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
+    if let Some(mqtt) = mqtt {
+        let (door, health) = (door.clone(), Arc::clone(&health));
+        tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, health, stopped).await }));
+    }
+    let threads = vec![pipeline_thread, journal_thread];
+    Ok(Parts { door, tracking, store, asked, health, stop, tasks, threads })
+}
+
+impl Parts {
+    /// Ends everything: what has come is taken, stored and kept.
     pub async fn stop(self) {
-        let Self { stop, served, asked, door, store, tasks, threads, .. } = self;
+        let Self { door, store, asked, stop, tasks, threads, .. } = self;
         // Nobody listens when everybody has ended already.
         let _ = stop.send(true);
-        if !served.is_finished() && !matches!(served.await, Ok(Ok(()))) {
-            tracing::error!("the API has not ended well");
-        }
         let _ = asked.send(Asked::Stop);
         drop((door, asked));
         // Threads first: they tell the writer.
         let joined =
-            tokio::task::spawn_blocking(move || threads.into_iter().all(|thread| thread.join().is_ok())).await;
+            tokio::task::spawn_blocking(move || threads.into_iter().all(|thread| thread.join().is_ok()))
+                .await;
         if !joined.unwrap_or(false) {
             tracing::error!("a thread has ended by a panic");
         }

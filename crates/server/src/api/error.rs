@@ -1,7 +1,7 @@
 //! What the API answers when it does not do what was asked: always JSON, `{type, code, message}`, as omlox has it.
 
-use super::{CommandError, DoorError};
 use crate::auth::AuthError;
+use crate::ingest::{CommandError, DoorError};
 use adit_tracking::Refused;
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -45,7 +45,8 @@ impl ApiError {
 
     /// 401: who asks?
     pub fn unauthorised() -> Self {
-        let message = "no valid session or token: log in at POST /api/v1/session, or send `Authorization: Bearer …`";
+        let message =
+            "no valid session or token: log in at POST /api/v1/session, or send `Authorization: Bearer …`";
         Self::new(StatusCode::UNAUTHORIZED, "unauthorised", message)
     }
 
@@ -159,9 +160,11 @@ impl From<DoorError> for ApiError {
     fn from(error: DoorError) -> Self {
         let message = error.to_string();
         match error {
-            DoorError::Malformed(_) => Self::invalid(message),
-            DoorError::Busy => Self::unavailable(message, 1),
-            DoorError::NotStored(_) | DoorError::NoAnswer => Self::unavailable(message, 5),
+            DoorError::TooLong { .. } => Self::too_large(message),
+            DoorError::Bad(_) | DoorError::Json(_) | DoorError::Name { .. } | DoorError::Number { .. } => {
+                Self::invalid(message)
+            }
+            DoorError::Busy | DoorError::NotStored(_) | DoorError::NoAnswer => Self::unavailable(message, 5),
         }
     }
 }

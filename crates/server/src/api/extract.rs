@@ -20,8 +20,12 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Json<T> {
         read.map(|body| Self(body.0)).map_err(|rejection| match rejection {
             JsonRejection::JsonDataError(error) => ApiError::invalid(error.body_text()),
             JsonRejection::JsonSyntaxError(error) => ApiError::malformed(error.body_text()),
-            JsonRejection::MissingJsonContentType(error) => ApiError::unsupported_media_type(error.body_text()),
-            other if other.status() == axum::http::StatusCode::PAYLOAD_TOO_LARGE => ApiError::too_large(other.body_text()),
+            JsonRejection::MissingJsonContentType(error) => {
+                ApiError::unsupported_media_type(error.body_text())
+            }
+            other if other.status() == axum::http::StatusCode::PAYLOAD_TOO_LARGE => {
+                ApiError::too_large(other.body_text())
+            }
             other => ApiError::malformed(other.body_text()),
         })
     }
@@ -36,7 +40,8 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let read = axum::extract::Query::<T>::from_request_parts(parts, state).await;
-        read.map(|query| Self(query.0)).map_err(|rejection: QueryRejection| ApiError::malformed(rejection.body_text()))
+        read.map(|query| Self(query.0))
+            .map_err(|rejection: QueryRejection| ApiError::malformed(rejection.body_text()))
     }
 }
 
@@ -49,7 +54,8 @@ impl<S: Send + Sync, T: DeserializeOwned + Send> FromRequestParts<S> for Path<T>
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let read = axum::extract::Path::<T>::from_request_parts(parts, state).await;
-        read.map(|path| Self(path.0)).map_err(|rejection: PathRejection| ApiError::malformed(rejection.body_text()))
+        read.map(|path| Self(path.0))
+            .map_err(|rejection: PathRejection| ApiError::malformed(rejection.body_text()))
     }
 }
 

@@ -30,7 +30,8 @@ pub(super) async fn guard(State(guard): State<Guard>, request: Request, next: Ne
             next.run(Request::from_parts(parts, body)).await
         }
         Err(error) => {
-            metrics::counter!("adit_api_refused_total", "status" => error.status().as_u16().to_string()).increment(1);
+            metrics::counter!("adit_api_refused_total", "status" => error.status().as_u16().to_string())
+                .increment(1);
             error.into_response()
         }
     }
@@ -43,7 +44,10 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
     if access == Some(Access::Open) {
         return same_origin(&request.headers).map(|()| None);
     }
-    if access == Some(Access::Needs(Permission::SeeLive)) && path == "/metrics" && guard.context.settings.open_metrics {
+    if access == Some(Access::Needs(Permission::SeeLive))
+        && path == "/metrics"
+        && guard.context.settings.open_metrics
+    {
         return Ok(None);
     }
     let principal = who(guard, request).await?;
@@ -51,11 +55,7 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
         (Some(Access::NeedsInside(_)), None) if upgrade => Ok(None),
         (_, None) => Err(ApiError::unauthorised()),
         (Some(Access::Needs(permission) | Access::NeedsInside(permission)), Some(principal)) => {
-            if principal.may(permission) {
-                Ok(Some(principal))
-            } else {
-                Err(refused(&principal, permission))
-            }
+            if principal.may(permission) { Ok(Some(principal)) } else { Err(refused(&principal, permission)) }
         }
         // No route: the fallbacks answer 404 and 405, to those who may know.
         (Some(Access::Open) | None, principal) => Ok(principal),

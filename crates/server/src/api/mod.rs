@@ -1,10 +1,9 @@
 //! The API: `/api/v1` of adit's own, `/v2` as omlox has it, `/metrics`, `/health`.
 //!
 //! Every request passes one layer ([`guard`]) that knows who asks and what the route needs ([`routes::Access`]). Handlers read the live
-//! state under its read lock and the store; what changes the live state goes through the [`Door`] into the journal and is answered
+//! state under its read lock and the store; what changes the live state goes through the [`Door`](crate::ingest::Door) into the journal and is answered
 //! when it was applied. Whatever goes wrong is answered as [`Problem`] in JSON.
 
-mod door;
 mod error;
 mod extract;
 mod guard;
@@ -18,7 +17,6 @@ mod timestamp;
 mod v1;
 mod view;
 
-pub use door::{CommandError, Door, DoorError, Knock, PositionReport, Receipt, Source};
 pub use error::{ApiError, Problem};
 pub use health::{Health, Part};
 pub use metrics::Metrics;
@@ -30,6 +28,7 @@ pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
 use crate::auth::{Auth, Permission, WallClock};
 use crate::feed::Feed;
+use crate::ingest::{CommandError, Door};
 use crate::store::{AuditRecord, Store};
 use adit_mine::Mine;
 use adit_tracking::{Command, Outcome, Tracking};
@@ -89,13 +88,31 @@ impl Context {
         self.tracking.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What a caller wants, through the journal; the pipeline writes it into the audit log.
+    /// What a caller wants, through the journal; done or refused, it is in the audit log.
     async fn command(&self, caller: &extract::Caller, command: Command) -> Result<Outcome, ApiError> {
-        Ok(self.door.command(caller.principal.name.clone(), command).await?)
+        let detail = serde_json::to_value(&command).map_err(|error| ApiError::internal(&error))?;
+        let what = detail.get("command").and_then(Value::as_str).unwrap_or("command").to_owned();
+        let outcome = self.door.command(caller.principal.name.clone(), command).await;
+        let how = match &outcome {
+            Ok(_) => "done".to_owned(),
+            Err(CommandError::Refused(refused)) => format!("refused: {refused}"),
+            Err(CommandError::Door(error)) => return Err(error.clone().into()),
+        };
+        // It is done whether the log can be written or not, and stands in the journal.
+        if self.audit(caller, &what, &how, detail).await.is_err() {
+            ::metrics::counter!("adit_audit_failures_total").increment(1);
+        }
+        Ok(outcome?)
     }
 
     /// Writes into the audit log what is not a command of the journal.
-    async fn audit(&self, who: &extract::Caller, what: &str, outcome: &str, detail: Value) -> Result<(), ApiError> {
+    async fn audit(
+        &self,
+        who: &extract::Caller,
+        what: &str,
+        outcome: &str,
+        detail: Value,
+    ) -> Result<(), ApiError> {
         self.audit_as(&who.principal.name, who.address, what, outcome, detail).await
     }
 

@@ -62,7 +62,11 @@ impl Routes {
         self.mount(Access::NeedsInside(permission), routes)
     }
 
-    fn mount(mut self, access: Access, (schemas, mut paths, handlers): UtoipaMethodRouter<Arc<Context>>) -> Self {
+    fn mount(
+        mut self,
+        access: Access,
+        (schemas, mut paths, handlers): UtoipaMethodRouter<Arc<Context>>,
+    ) -> Self {
         for (path, item) in &mut paths.paths {
             let operations = [
                 (Method::GET, &mut item.get),
@@ -100,10 +104,8 @@ fn describe(access: Access, operation: &mut Operation) {
         return;
     };
     let none: [&str; 0] = [];
-    operation.security = Some(vec![
-        SecurityRequirement::new("bearer", none),
-        SecurityRequirement::new("session", none),
-    ]);
+    operation.security =
+        Some(vec![SecurityRequirement::new("bearer", none), SecurityRequirement::new("session", none)]);
     responses.insert("401".into(), RefOr::T(problem("no valid session or token")));
     responses.insert("403".into(), RefOr::T(problem("not with this role")));
     let extensions = operation.extensions.get_or_insert_default();

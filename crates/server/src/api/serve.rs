@@ -79,10 +79,13 @@ pub async fn serve(
         stop.await;
         stopping.graceful_shutdown(Some(GRACE));
     });
-    let mut server = axum_server::from_tcp(listener).map_err(socket)?.handle(handle).first_request_timeout(HEADER);
+    let mut server =
+        axum_server::from_tcp(listener).map_err(socket)?.handle(handle).first_request_timeout(HEADER);
     server.http_builder().http1().header_read_timeout(HEADER);
     let served = match tls {
-        Some(config) => server.acceptor(RustlsAcceptor::new(RustlsConfig::from_config(config))).serve(app).await,
+        Some(config) => {
+            server.acceptor(RustlsAcceptor::new(RustlsConfig::from_config(config))).serve(app).await
+        }
         None => server.serve(app).await,
     };
     stopper.abort();

@@ -86,7 +86,8 @@ impl Writer {
             return;
         }
         let frame = CloseFrame { code: close_code::POLICY, reason: why.to_string().into() };
-        let _ = tokio::time::timeout(Duration::from_secs(1), self.sink.send(Message::Close(Some(frame)))).await;
+        let _ =
+            tokio::time::timeout(Duration::from_secs(1), self.sink.send(Message::Close(Some(frame)))).await;
     }
 }
 

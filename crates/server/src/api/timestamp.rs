@@ -2,8 +2,8 @@
 
 use adit_core::time::Time;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 /// A time of day: `2026-11-22T21:03:00.250Z`.
@@ -31,7 +31,8 @@ impl std::str::FromStr for Timestamp {
     fn from_str(text: &str) -> Result<Self, String> {
         let time: jiff::Timestamp =
             text.parse().map_err(|_| format!("expected a time as 2026-11-22T21:03:00Z, found {text:?}"))?;
-        let nanos = i64::try_from(time.as_nanosecond()).map_err(|_| format!("expected a time of the years 1678 to 2262, found {text:?}"))?;
+        let nanos = i64::try_from(time.as_nanosecond())
+            .map_err(|_| format!("expected a time of the years 1678 to 2262, found {text:?}"))?;
         Ok(Self(Time::from_nanos(nanos)))
     }
 }
@@ -66,7 +67,10 @@ mod tests {
     fn times_are_written_to_the_millisecond_in_utc() {
         let time = Timestamp(Time::from_nanos(1_795_381_380_250_999_999));
         assert_eq!(time.to_string(), "2026-11-22T21:03:00.250Z");
-        assert_eq!("2026-11-22T22:03:00.25+01:00".parse(), Ok(Timestamp(Time::from_nanos(1_795_381_380_250_000_000))));
+        assert_eq!(
+            "2026-11-22T22:03:00.25+01:00".parse(),
+            Ok(Timestamp(Time::from_nanos(1_795_381_380_250_000_000)))
+        );
         assert!("yesterday".parse::<Timestamp>().is_err());
         assert!("9999-01-01T00:00:00Z".parse::<Timestamp>().is_err());
     }

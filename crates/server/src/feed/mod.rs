@@ -16,7 +16,7 @@ pub use texts::Texts;
 pub use viewer::{Gone, News, Viewer};
 
 use adit_tracking::view::LastKnown;
-use adit_tracking::{Event, Subject, Tracking};
+use adit_tracking::{Event, Fix, Subject, Tracking};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -100,7 +100,6 @@ struct Board {
 /// The feed.
 pub struct Feed {
     settings: FeedSettings,
-    tracking: Arc<RwLock<Tracking>>,
     board: Mutex<Board>,
     newest: watch::Sender<Newest>,
     viewers: AtomicUsize,
@@ -108,37 +107,39 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// A feed, whose ticks run on the current tokio runtime for as long as somebody holds it.
-    pub fn new(settings: FeedSettings, tracking: Arc<RwLock<Tracking>>) -> Arc<Self> {
-        let period = Duration::from_millis(settings.tick_ms.max(1));
+    /// A feed that is told of rounds, but does not tell of positions before [`Feed::start`].
+    pub fn new(settings: FeedSettings) -> Arc<Self> {
         let run = uuid::Uuid::new_v4().simple().to_string();
-        let feed = Arc::new(Self {
+        Arc::new(Self {
             settings,
-            tracking,
             board: Mutex::default(),
             newest: watch::Sender::new(Newest::default()),
             viewers: AtomicUsize::new(0),
             run,
-        });
-        let ticking = Arc::downgrade(&feed);
+        })
+    }
+
+    /// Begins to tell where tags are, on the current tokio runtime, for as long as somebody holds the feed.
+    pub fn start(self: &Arc<Self>, tracking: Arc<RwLock<Tracking>>) {
+        let period = Duration::from_millis(self.settings.tick_ms.max(1));
+        let ticking = Arc::downgrade(self);
         tokio::spawn(async move {
             let mut interval = tokio::time::interval(period);
             interval.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
             loop {
                 interval.tick().await;
                 let Some(feed) = ticking.upgrade() else { break };
-                feed.tick();
+                feed.tick(&tracking);
             }
         });
-        feed
     }
 
-    /// What a round came to: tags that have moved, and what happened. Does not wait.
-    pub fn tell<'a>(&self, moved: impl IntoIterator<Item = &'a str>, events: &[Event]) {
+    /// What a round came to. Does not wait.
+    pub fn tell<'a>(&self, fixes: impl IntoIterator<Item = &'a Fix>, events: &[Event]) {
         let mut board = self.board();
-        for tag in moved {
-            if !board.dirty.contains(tag) {
-                board.dirty.insert(tag.into());
+        for fix in fixes {
+            if !board.dirty.contains(fix.tag.as_str()) {
+                board.dirty.insert(fix.tag.as_str().into());
             }
         }
         if events.is_empty() {
@@ -155,12 +156,12 @@ impl Feed {
         self.newest.send_replace(board.newest);
     }
 
-    fn tick(&self) {
+    fn tick(&self, tracking: &RwLock<Tracking>) {
         let dirty = std::mem::take(&mut self.board().dirty);
         if dirty.is_empty() {
             return;
         }
-        let moved = self.moved(dirty.into_iter());
+        let moved = moved(tracking, dirty);
         let mut board = self.board();
         board.newest.tick += 1;
         let number = board.newest.tick;
@@ -169,19 +170,6 @@ impl Feed {
         }
         board.tick = Some(Arc::new(Tick { number, moved, texts: Texts::default() }));
         self.newest.send_replace(board.newest);
-    }
-
-    fn moved(&self, tags: impl Iterator<Item = Arc<str>>) -> Vec<Arc<Moved>> {
-        let tracking = self.tracking.read().unwrap_or_else(PoisonError::into_inner);
-        let moved = tags.filter_map(|tag| {
-            let view = tracking.tag(&tag)?;
-            let subject = match view.person {
-                Some(person) => Subject::Person(person),
-                None => Subject::Tag(tag.to_string()),
-            };
-            Some(Arc::new(Moved { tag, subject, last_known: view.last_known? }))
-        });
-        moved.collect()
     }
 
     /// A tag that is no more is not told any more.
@@ -216,7 +204,8 @@ impl Feed {
             if watching >= self.settings.viewers {
                 return None;
             }
-            match self.viewers.compare_exchange(watching, watching + 1, Ordering::Relaxed, Ordering::Relaxed) {
+            match self.viewers.compare_exchange(watching, watching + 1, Ordering::Relaxed, Ordering::Relaxed)
+            {
                 Ok(_) => break,
                 Err(now) => watching = now,
             }
@@ -228,4 +217,17 @@ impl Feed {
     fn board(&self) -> MutexGuard<'_, Board> {
         self.board.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+fn moved(tracking: &RwLock<Tracking>, tags: BTreeSet<Arc<str>>) -> Vec<Arc<Moved>> {
+    let tracking = tracking.read().unwrap_or_else(PoisonError::into_inner);
+    let moved = tags.into_iter().filter_map(|tag| {
+        let view = tracking.tag(&tag)?;
+        let subject = match view.person {
+            Some(person) => Subject::Person(person),
+            None => Subject::Tag(tag.to_string()),
+        };
+        Some(Arc::new(Moved { tag, subject, last_known: view.last_known? }))
+    });
+    moved.collect()
 }

@@ -68,7 +68,9 @@ impl Viewer {
         let newest = board.newest;
         if newest.event > self.told.event {
             let oldest = board.events.front().map_or(newest.event + 1, |told| told.number);
-            let Some(place) = (self.told.event + 1).checked_sub(oldest) else { return Err(Gone::EventsMissed) };
+            let Some(place) = (self.told.event + 1).checked_sub(oldest) else {
+                return Err(Gone::EventsMissed);
+            };
             let place = usize::try_from(place).map_err(|_| Gone::EventsMissed)?;
             let events: Vec<_> = board.events.iter().skip(place).take(AT_ONCE).cloned().collect();
             self.told.event += events.len() as u64;

@@ -5,7 +5,6 @@
 //! after [`PATIENCE`].
 
 mod door;
-pub mod knocks;
 pub mod mqtt;
 
 pub use door::{

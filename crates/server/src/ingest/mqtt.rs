@@ -7,7 +7,11 @@
 
 use crate::api::{Health, Part};
 use super::door::{Door, DoorError, Source};
+use crate::error::ServerError;
 use rumqttc::{AsyncClient, ConnectionError, Event, EventLoop, MqttOptions, Packet, Publish, QoS, Transport};
+use rustls::pki_types::CertificateDer;
+use rustls::pki_types::pem::PemObject as _;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{Semaphore, watch};
@@ -90,6 +94,28 @@ pub async fn listen(
     }
     // The broker keeps the session.
     let _ = client.try_disconnect();
+}
+
+/// TLS that trusts the certificates of a PEM file.
+pub fn trusting(path: &Path) -> Result<Arc<rustls::ClientConfig>, ServerError> {
+    let found = |found: &dyn std::fmt::Display| ServerError::Tls {
+        path: path.to_path_buf(),
+        expected: "PEM certificates",
+        found: found.to_string(),
+    };
+    let pem = std::fs::read(path).map_err(|source| ServerError::io(path, source))?;
+    let mut roots = rustls::RootCertStore::empty();
+    for certificate in CertificateDer::pem_slice_iter(&pem) {
+        roots.add(certificate.map_err(|error| found(&error))?).map_err(|error| found(&error))?;
+    }
+    if roots.is_empty() {
+        return Err(found(&"none"));
+    }
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = rustls::ClientConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .map_err(|error| found(&error))?;
+    Ok(Arc::new(config.with_root_certificates(roots).with_no_client_auth()))
 }
 
 fn connect(settings: &MqttSettings) -> (AsyncClient, EventLoop) {

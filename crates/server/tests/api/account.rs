@@ -55,12 +55,15 @@ async fn a_cookie_counts_for_our_own_pages_alone() -> Tested {
     for headers in foreign {
         assert_eq!(logout(&headers).await?.status(), 403, "{headers:?}");
     }
-    for headers in [vec![("origin", format!("http://{host}"))], vec![("sec-fetch-site", "same-origin".to_owned())]] {
+    for headers in
+        [vec![("origin", format!("http://{host}"))], vec![("sec-fetch-site", "same-origin".to_owned())]]
+    {
         assert_eq!(logout(&headers).await?.status(), 404, "{headers:?}");
     }
     let read = client.get(house.url("/api/v1/session")).header("cookie", &cookie).send().await?;
     assert_eq!(read.status(), 200);
-    let foreign_login = client.post(house.url("/api/v1/session")).header("origin", "http://evil.example").json(&right);
+    let foreign_login =
+        client.post(house.url("/api/v1/session")).header("origin", "http://evil.example").json(&right);
     assert_eq!(foreign_login.send().await?.status(), 403);
     Ok(())
 }
@@ -81,7 +84,9 @@ async fn an_admin_adds_a_user_and_a_token_and_takes_them_away() -> Tested {
     assert_eq!(house.ask("DELETE", "/api/v1/users/ann", admin, None).await?.status, 204);
     assert_eq!(house.ask("GET", "/api/v1/users/ann", admin, None).await?.status, 404);
 
-    let made = house.ask("POST", "/api/v1/tokens", admin, Some(json!({ "name": "wall", "grant": "viewer" }))).await?;
+    let made = house
+        .ask("POST", "/api/v1/tokens", admin, Some(json!({ "name": "wall", "grant": "viewer" })))
+        .await?;
     assert_eq!(made.status, 201, "{}", made.text);
     let secret = made.json["secret"].as_str().ok_or("no secret")?;
     assert_eq!(house.ask("GET", "/api/v1/live", secret, None).await?.status, 200);
@@ -98,7 +103,12 @@ async fn what_cannot_be_read_is_answered_in_json() -> Tested {
     let admin = house.token("admin");
     let client = reqwest::Client::new();
     let post = |body: &'static str, kind: &'static str| {
-        client.post(house.url("/api/v1/users")).bearer_auth(admin).header("content-type", kind).body(body).send()
+        client
+            .post(house.url("/api/v1/users"))
+            .bearer_auth(admin)
+            .header("content-type", kind)
+            .body(body)
+            .send()
     };
     let json = "application/json";
     let huge: &'static str = Box::leak(format!("\"{}\"", "x".repeat(300_000)).into_boxed_str());
@@ -119,7 +129,13 @@ async fn what_cannot_be_read_is_answered_in_json() -> Tested {
         assert_eq!(problem["code"], status);
         assert!(problem["message"].as_str().is_some_and(|m| !m.is_empty()) && problem["type"].is_string());
     }
-    for query in ["limit=0", "limit=x", "from=yesterday", "nothing=1", "from=2026-01-02T00:00:00Z&until=2026-01-01T00:00:00Z"] {
+    for query in [
+        "limit=0",
+        "limit=x",
+        "from=yesterday",
+        "nothing=1",
+        "from=2026-01-02T00:00:00Z&until=2026-01-01T00:00:00Z",
+    ] {
         let answer = house.ask("GET", &format!("/api/v1/audit?{query}"), admin, None).await?;
         assert!([400, 422].contains(&answer.status), "{query}: {}", answer.text);
     }

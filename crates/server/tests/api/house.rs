@@ -4,7 +4,8 @@ use adit_core::frames::Position;
 use adit_core::solution::Quality;
 use adit_core::time::Time;
 use adit_server::api::{
-    ApiSettings, CommandError, Context, Door, DoorError, EventJson, Health, Knock, Metrics, Part, Receipt, serve,
+    ApiSettings, CommandError, Context, Door, DoorError, EventJson, Health, Knock, Metrics, Part, Receipt,
+    serve,
 };
 use adit_server::auth::{Auth, AuthSettings, Grant, Role, WallClock};
 use adit_server::feed::{Feed, FeedSettings};
@@ -123,7 +124,13 @@ impl House {
         }
     }
 
-    pub async fn ask(&self, method: &str, path: &str, token: &str, body: Option<serde_json::Value>) -> Tested<Answer> {
+    pub async fn ask(
+        &self,
+        method: &str,
+        path: &str,
+        token: &str,
+        body: Option<serde_json::Value>,
+    ) -> Tested<Answer> {
         let client = reqwest::Client::new();
         let mut request = client.request(method.parse()?, self.url(path));
         if !token.is_empty() {
@@ -152,11 +159,20 @@ pub struct Answer {
     pub text: String,
 }
 
-fn hear(tracking: &RwLock<Tracking>, input: &Input, events: &mut Vec<Event>) -> Result<adit_tracking::Outcome, adit_tracking::Refused> {
+fn hear(
+    tracking: &RwLock<Tracking>,
+    input: &Input,
+    events: &mut Vec<Event>,
+) -> Result<adit_tracking::Outcome, adit_tracking::Refused> {
     tracking.write().unwrap_or_else(PoisonError::into_inner).hear(now(), input, events)
 }
 
-async fn answer(mut knocks: mpsc::Receiver<Knock>, tracking: Arc<RwLock<Tracking>>, feed: Arc<Feed>, store: Store) {
+async fn answer(
+    mut knocks: mpsc::Receiver<Knock>,
+    tracking: Arc<RwLock<Tracking>>,
+    feed: Arc<Feed>,
+    store: Store,
+) {
     let mut position = 0;
     while let Some(knock) = knocks.recv().await {
         position += 1;
@@ -166,7 +182,11 @@ async fn answer(mut knocks: mpsc::Receiver<Knock>, tracking: Arc<RwLock<Tracking
             Knock::Batch { bytes, answer, .. } => {
                 let empty = bytes.is_empty() || bytes.starts_with(b"\xff");
                 let malformed = DoorError::Malformed("not a batch".into());
-                let _ = answer.send(if empty { Err(malformed) } else { Ok(Receipt { position, repeated: false }) });
+                let _ = answer.send(if empty {
+                    Err(malformed)
+                } else {
+                    Ok(Receipt { position, repeated: false })
+                });
             }
             Knock::Position { report, answer } => {
                 let radius_95_m = report.radius_95_m.unwrap_or(5.0);
@@ -205,4 +225,3 @@ async fn answer(mut knocks: mpsc::Receiver<Knock>, tracking: Arc<RwLock<Tracking
         }
     }
 }
-

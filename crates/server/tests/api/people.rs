@@ -11,7 +11,8 @@ async fn a_person_gets_a_tag_and_is_seen_below() -> Tested {
     assert_eq!(house.ask("POST", "/api/v1/people", dispatcher, Some(person.clone())).await?.status, 201);
     assert_eq!(house.ask("POST", "/api/v1/people", dispatcher, Some(person)).await?.status, 409);
     assert_eq!(house.ask("POST", "/api/v1/tags", dispatcher, Some(json!({ "id": "t1" }))).await?.status, 201);
-    let given = house.ask("POST", "/api/v1/tags/t1/assignments", dispatcher, Some(json!({ "person": "p1" }))).await?;
+    let given =
+        house.ask("POST", "/api/v1/tags/t1/assignments", dispatcher, Some(json!({ "person": "p1" }))).await?;
     assert_eq!((given.status, &given.json["person"]), (201, &"p1".into()), "{}", given.text);
 
     let roadway = &house.context.mine.plan().roadways[0];
@@ -19,12 +20,20 @@ async fn a_person_gets_a_tag_and_is_seen_below() -> Tested {
     house.walk("t1", [p.x, p.y, p.z + 1.0]);
     let seen = house.ask("GET", "/api/v1/people/p1", house.token("viewer"), None).await?;
     let known = &seen.json["live"]["last_known"];
-    assert_eq!((&known["tag"], &known["quality"], &known["radius_95_m"]), (&"t1".into(), &"fixed".into(), &2.0.into()));
-    assert!(known["time"].as_str().is_some_and(|t| t.ends_with('Z') && t.len() == "2026-11-22T21:03:00.250Z".len()));
+    assert_eq!(
+        (&known["tag"], &known["quality"], &known["radius_95_m"]),
+        (&"t1".into(), &"fixed".into(), &2.0.into())
+    );
+    assert!(
+        known["time"]
+            .as_str()
+            .is_some_and(|t| t.ends_with('Z') && t.len() == "2026-11-22T21:03:00.250Z".len())
+    );
 
     assert_eq!(house.ask("DELETE", "/api/v1/tags/t1/assignments", dispatcher, None).await?.status, 200);
     let history = house.ask("GET", "/api/v1/history/events?about=p1", dispatcher, None).await?;
-    let kinds: Vec<_> = history.json["rows"].as_array().ok_or("no rows")?.iter().map(|row| row["event"].clone()).collect();
+    let kinds: Vec<_> =
+        history.json["rows"].as_array().ok_or("no rows")?.iter().map(|row| row["event"].clone()).collect();
     assert_eq!(kinds, ["tag-returned", "tag-assigned"], "{}", history.text);
     Ok(())
 }
@@ -37,7 +46,8 @@ async fn a_zone_is_drawn_and_an_evacuation_runs_and_ends() -> Tested {
     let zone = json!({ "id": "z9", "kind": "key", "level": level, "outline_m": [[0, 0], [10, 0], [10, 10]] });
     let drawn = house.ask("POST", "/api/v1/zones", officer, Some(zone.clone())).await?;
     assert_eq!(drawn.status, 201, "{}", drawn.text);
-    let flat = json!({ "id": "z8", "kind": "key", "level": level, "outline_m": [[0, 0], [10, 0], [1e9, 10]] });
+    let flat =
+        json!({ "id": "z8", "kind": "key", "level": level, "outline_m": [[0, 0], [10, 0], [1e9, 10]] });
     assert_eq!(house.ask("POST", "/api/v1/zones", officer, Some(flat)).await?.status, 422);
     let mut other = zone;
     other["id"] = "z7".into();
@@ -45,12 +55,22 @@ async fn a_zone_is_drawn_and_an_evacuation_runs_and_ends() -> Tested {
     assert_eq!(house.ask("DELETE", "/api/v1/zones/z9", officer, None).await?.status, 204);
 
     let dispatcher = house.token("dispatcher");
-    let started = house.ask("POST", "/api/v1/evacuation", dispatcher, Some(json!({ "note": "smoke" }))).await?;
-    assert_eq!((started.status, &started.json["evacuation"]["note"]), (201, &"smoke".into()), "{}", started.text);
+    let started =
+        house.ask("POST", "/api/v1/evacuation", dispatcher, Some(json!({ "note": "smoke" }))).await?;
+    assert_eq!(
+        (started.status, &started.json["evacuation"]["note"]),
+        (201, &"smoke".into()),
+        "{}",
+        started.text
+    );
     assert_eq!(house.ask("POST", "/api/v1/evacuation", dispatcher, Some(json!({}))).await?.status, 409);
     assert_eq!(house.ask("POST", "/api/v1/evacuation/stop", dispatcher, Some(json!({}))).await?.status, 403);
-    let ended = house.ask("POST", "/api/v1/evacuation/stop", officer, Some(json!({ "note": "air clear" }))).await?;
+    let ended =
+        house.ask("POST", "/api/v1/evacuation/stop", officer, Some(json!({ "note": "air clear" }))).await?;
     assert_eq!((ended.status, &ended.json["evacuation"]), (200, &serde_json::Value::Null));
-    assert_eq!(house.ask("POST", "/api/v1/alarms/77/acknowledge", dispatcher, Some(json!({}))).await?.status, 404);
+    assert_eq!(
+        house.ask("POST", "/api/v1/alarms/77/acknowledge", dispatcher, Some(json!({}))).await?.status,
+        404
+    );
     Ok(())
 }

@@ -23,7 +23,11 @@ async fn operations(house: &House) -> Tested<Vec<Operation>> {
             operations.push(Operation {
                 method: method.to_uppercase(),
                 // Braces become a value that fits texts, numbers and UUIDs badly enough to be no one's.
-                path: path.split('/').map(|part| if part.starts_with('{') { "1" } else { part }).collect::<Vec<_>>().join("/"),
+                path: path
+                    .split('/')
+                    .map(|part| if part.starts_with('{') { "1" } else { part })
+                    .collect::<Vec<_>>()
+                    .join("/"),
                 permission: text("x-adit-permission"),
                 role: text("x-adit-role"),
             });
@@ -46,14 +50,25 @@ async fn every_route_without_a_token_answers_401_and_with_too_small_a_role_403()
         };
         for token in ["", "adit_t_nobody", "adit_s_nobody"] {
             let answer = house.ask(method, path, token, None).await?;
-            assert_eq!((answer.status, &answer.json["code"]), (401, &Value::from(401)), "{at}: {}", answer.text);
+            assert_eq!(
+                (answer.status, &answer.json["code"]),
+                (401, &Value::from(401)),
+                "{at}: {}",
+                answer.text
+            );
         }
         let least = Role::named(role).ok_or("no such role")?;
-        let permission = Permission::ALL.into_iter().find(|p| p.name() == permission).ok_or("no such permission")?;
+        let permission =
+            Permission::ALL.into_iter().find(|p| p.name() == permission).ok_or("no such permission")?;
         let smaller = Role::ALL.into_iter().filter(|role| *role < least).map(Grant::from);
         for grant in smaller.chain((permission != Permission::Ingest).then_some(Grant::Ingest)) {
             let answer = house.ask(method, path, house.token(grant.name()), None).await?;
-            assert_eq!((answer.status, &answer.json["type"]), (403, &"forbidden".into()), "{at} as {}", grant.name());
+            assert_eq!(
+                (answer.status, &answer.json["type"]),
+                (403, &"forbidden".into()),
+                "{at} as {}",
+                grant.name()
+            );
         }
     }
     open.sort();
@@ -82,7 +97,12 @@ async fn what_is_no_route_tells_strangers_nothing_and_others_in_json() -> Tested
     for path in ["/", "/api/v1/nothing", "/v2/nothing", "/api/v1/../../etc/passwd", "/api/v1/people/%00"] {
         assert_eq!(house.ask("GET", path, "", None).await?.status, 401, "{path}");
         let answer = house.ask("GET", path, house.token("admin"), None).await?;
-        assert_eq!((answer.status, &answer.json["type"]), (404, &"not-found".into()), "{path}: {}", answer.text);
+        assert_eq!(
+            (answer.status, &answer.json["type"]),
+            (404, &"not-found".into()),
+            "{path}: {}",
+            answer.text
+        );
     }
     let answer = house.ask("PATCH", "/api/v1/live", house.token("admin"), None).await?;
     assert_eq!((answer.status, &answer.json["type"]), (405, &"method-not-allowed".into()));

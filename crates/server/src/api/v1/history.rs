@@ -1,11 +1,14 @@
 //! What was: tracks, events, alarms, attendance, the audit log.
 
 use crate::api::extract::{Path, Query};
-use crate::api::view::word;
+use crate::api::view::{AlarmJson, EventJson, who, word};
 use crate::api::{ApiError, Context, Timestamp};
 use crate::store::{AuditQuery, Cursor, LogQuery, TrackOf, TrackQuery};
 use adit_core::time::Time;
+use adit_tracking::view::Whereabouts;
+use adit_tracking::{Alarm, Event};
 use axum::extract::State;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::sync::Arc;
@@ -83,7 +86,8 @@ async fn track(context: &Context, of: TrackOf, part: &TrackPart) -> Result<axum:
     }
     in_order(Some(part.from), Some(part.until))?;
     let query = TrackQuery { of, from: part.from.0, until: part.until.0 };
-    let drawn = context.store.track_drawn(&query, points as usize).await.map_err(|e| ApiError::of_store(&e))?;
+    let drawn =
+        context.store.track_drawn(&query, points as usize).await.map_err(|e| ApiError::of_store(&e))?;
     let fixes = drawn.fixes.into_iter().map(|fix| TrackFix {
         time: fix.time.into(),
         tag: fix.tag,
@@ -129,10 +133,11 @@ pub(super) struct LogPart {
 impl LogPart {
     fn query(self) -> Result<LogQuery, ApiError> {
         in_order(self.from, self.until)?;
-        let after: Option<Cursor> =
-            self.after.map(|after| after.parse()).transpose().map_err(|error: crate::store::StoreError| {
-                ApiError::malformed(error.to_string())
-            })?;
+        let after: Option<Cursor> = self
+            .after
+            .map(|after| after.parse())
+            .transpose()
+            .map_err(|error: crate::store::StoreError| ApiError::malformed(error.to_string()))?;
         Ok(LogQuery {
             from: self.from.map(|time| time.0),
             until: self.until.map(|time| time.0),
@@ -153,37 +158,53 @@ fn limit(asked: Option<u32>) -> Result<u32, ApiError> {
     }
 }
 
-/// Rows, newest first.
+/// Events, newest first.
 #[derive(Serialize, ToSchema)]
-pub(super) struct LogRows {
-    /// Events or alarms as `/api/v1/live` told them.
-    rows: Vec<Value>,
+pub(super) struct EventPage {
+    rows: Vec<EventJson>,
     /// `after` for the next page; null at the end.
     next: Option<String>,
 }
 
+/// Alarms, the last raised first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct AlarmPage {
+    rows: Vec<AlarmJson>,
+    /// `after` for the next page; null at the end.
+    next: Option<String>,
+}
+
+/// What was stored, as it was; of another version of adit it may be unreadable, which is told in the log.
+fn read<T: DeserializeOwned>(body: Value) -> Option<T> {
+    serde_json::from_value(body)
+        .inspect_err(|error| tracing::warn!("history: a row cannot be read: {error}"))
+        .ok()
+}
+
 /// What happened, newest first.
 #[utoipa::path(get, path = "/api/v1/history/events", tag = "history", params(LogPart),
-    responses((status = 200, description = "a page", body = LogRows)))]
+    responses((status = 200, description = "a page", body = EventPage)))]
 pub(super) async fn events(
     State(context): State<Arc<Context>>,
     Query(part): Query<LogPart>,
-) -> Result<axum::Json<LogRows>, ApiError> {
+) -> Result<axum::Json<EventPage>, ApiError> {
     let page = context.store.events(&part.query()?).await.map_err(|error| ApiError::of_store(&error))?;
-    let rows = page.rows.into_iter().map(|row| row.body).collect();
-    Ok(axum::Json(LogRows { rows, next: page.next.map(|cursor| cursor.to_string()) }))
+    let events = page.rows.into_iter().filter_map(|row| read::<Event>(row.body));
+    let rows = events.map(|event| EventJson::from(&event)).collect();
+    Ok(axum::Json(EventPage { rows, next: page.next.map(|cursor| cursor.to_string()) }))
 }
 
 /// Alarms of the past and open ones, the last raised first.
 #[utoipa::path(get, path = "/api/v1/history/alarms", tag = "history", params(LogPart),
-    responses((status = 200, description = "a page", body = LogRows)))]
+    responses((status = 200, description = "a page", body = AlarmPage)))]
 pub(super) async fn alarms(
     State(context): State<Arc<Context>>,
     Query(part): Query<LogPart>,
-) -> Result<axum::Json<LogRows>, ApiError> {
+) -> Result<axum::Json<AlarmPage>, ApiError> {
     let page = context.store.alarms(&part.query()?).await.map_err(|error| ApiError::of_store(&error))?;
-    let rows = page.rows.into_iter().map(|row| row.body).collect();
-    Ok(axum::Json(LogRows { rows, next: page.next.map(|cursor| cursor.to_string()) }))
+    let alarms = page.rows.into_iter().filter_map(|row| read::<Alarm>(row.body));
+    let rows = alarms.map(|alarm| AlarmJson::from(&alarm)).collect();
+    Ok(axum::Json(AlarmPage { rows, next: page.next.map(|cursor| cursor.to_string()) }))
 }
 
 /// Which rows of the audit log.
@@ -286,8 +307,8 @@ pub(super) async fn attendance(
         let tracking = context.tracking();
         let now = tracking.now();
         let below = tracking.below().filter_map(|view| match view.whereabouts {
-            adit_tracking::view::Whereabouts::Below { shift_since } => {
-                let (person, tag) = crate::api::view::who(&view.subject);
+            Whereabouts::Below { shift_since } => {
+                let (person, tag) = who(&view.subject);
                 Some(shift(person, tag, shift_since, None, now))
             }
             _ => None,
@@ -304,10 +325,10 @@ pub(super) async fn attendance(
     loop {
         let page = context.store.events(&query).await.map_err(|error| ApiError::of_store(&error))?;
         for row in page.rows {
-            let text = |name: &str| row.body.get(name).and_then(Value::as_str).map(str::to_owned);
-            let since: Option<Timestamp> = text("shift_since").and_then(|text| text.parse().ok());
-            let since = since.map_or(row.time, |since| since.0);
-            shifts.push(shift(text("person"), text("tag"), since, Some(row.time), row.time));
+            if let Some(Event::CameOut { subject, time, shift_since, .. }) = read(row.body) {
+                let (person, tag) = who(&subject);
+                shifts.push(shift(person, tag, shift_since, Some(time), time));
+            }
         }
         query.after = page.next;
         if query.after.is_none() || shifts.len() > 100_000 {

@@ -14,6 +14,9 @@ pub(super) mod zones;
 use super::ApiError;
 use super::routes::Routes;
 use crate::auth::Permission;
+use crate::ingest::LARGEST_BATCH;
+use axum::extract::DefaultBodyLimit;
+use utoipa_axum::router::UtoipaMethodRouter;
 use utoipa_axum::routes;
 
 /// All routes of `/api/v1`.
@@ -28,7 +31,14 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::SeeHistory, routes!(history::attendance))
         .needs(Permission::SeeAudit, routes!(history::audit))
         .needs(Permission::SeeSettings, routes!(site::settings))
-        .needs(Permission::Ingest, routes!(site::observations))
+        .needs(Permission::Ingest, large(routes!(site::observations)))
+}
+
+/// A batch may be larger than other bodies.
+fn large<S: Clone + Send + Sync + 'static>(
+    (schemas, paths, handlers): UtoipaMethodRouter<S>,
+) -> UtoipaMethodRouter<S> {
+    (schemas, paths, handlers.layer(DefaultBodyLimit::max(LARGEST_BATCH)))
 }
 
 fn account(routes: Routes) -> Routes {

@@ -124,7 +124,8 @@ pub(super) async fn change_password(
     if caller.principal.user().is_none() {
         return Err(ApiError::conflict("a token has no password; log in with name and password"));
     }
-    let changed = context.auth.change_password(caller.address, &caller.principal, change.old, change.new).await;
+    let changed =
+        context.auth.change_password(caller.address, &caller.principal, change.old, change.new).await;
     let how = if changed.is_ok() { "done" } else { "refused" };
     context.audit(&caller, "session.password", how, json!({})).await?;
     changed?;

@@ -1,7 +1,8 @@
 //! The mine, the settings, the batches of gateways.
 
-use crate::api::extract::Caller;
-use crate::api::{ApiError, Context, Source};
+use crate::api::extract::Path;
+use crate::api::{ApiError, Context};
+use crate::ingest::Source;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, header};
@@ -23,7 +24,8 @@ pub(super) async fn plan(State(context): State<Arc<Context>>) -> Result<axum::Js
     (status = 200, description = "a feature collection", body = Value, content_type = "application/geo+json"),
 ))]
 pub(super) async fn plan_geojson(State(context): State<Arc<Context>>) -> Result<impl IntoResponse, ApiError> {
-    let text = adit_mine::file::to_geojson(context.mine.plan()).map_err(|error| ApiError::internal(&error))?;
+    let text =
+        adit_mine::file::to_geojson(context.mine.plan()).map_err(|error| ApiError::internal(&error))?;
     Ok(([(header::CONTENT_TYPE, "application/geo+json")], text))
 }
 
@@ -36,20 +38,20 @@ pub(super) async fn settings(State(context): State<Arc<Context>>) -> axum::Json<
 /// What became of a batch: it is on the disk.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Stored {
-    /// Entry of the journal that holds it.
-    position: u64,
+    /// Entry of the journal that holds it; null when it had come before.
+    position: Option<u64>,
     /// It had come before.
     repeated: bool,
 }
 
 /// A batch of observations of a gateway: protobuf `adit.v1.ObservationBatch` (`application/x-protobuf`) or the same in JSON
 /// (`application/json`). The answer comes when it is on the disk.
-#[utoipa::path(post, path = "/api/v1/observations", tag = "ingest",
+#[utoipa::path(post, path = "/api/v1/gateways/{gateway}/observations", tag = "ingest",
     request_body(content((Vec<u8> = "application/x-protobuf"), (Value = "application/json"))),
     responses((status = 200, description = "stored", body = Stored)))]
 pub(super) async fn observations(
     State(context): State<Arc<Context>>,
-    caller: Caller,
+    Path(gateway): Path<String>,
     headers: HeaderMap,
     bytes: Bytes,
 ) -> Result<axum::Json<Stored>, ApiError> {
@@ -60,7 +62,7 @@ pub(super) async fn observations(
             "expected application/x-protobuf or application/json, found {content_type:?}"
         )));
     }
-    let from = Source { name: caller.principal.name, content_type: content_type.into() };
+    let from = Source { name: gateway, json: content_type == "application/json" };
     let receipt = context.door.batch(from, bytes).await?;
     Ok(axum::Json(Stored { position: receipt.position, repeated: receipt.repeated }))
 }

@@ -63,7 +63,9 @@ pub(super) struct MadeToken {
 
 /// All tokens, revoked ones too.
 #[utoipa::path(get, path = "/api/v1/tokens", tag = "tokens", responses((status = 200, description = "by name", body = Vec<TokenJson>)))]
-pub(super) async fn list(State(context): State<Arc<Context>>) -> Result<axum::Json<Vec<TokenJson>>, ApiError> {
+pub(super) async fn list(
+    State(context): State<Arc<Context>>,
+) -> Result<axum::Json<Vec<TokenJson>>, ApiError> {
     Ok(axum::Json(context.auth.tokens().await?.into_iter().map(TokenJson::from).collect()))
 }
 

@@ -26,7 +26,13 @@ pub(super) struct UserJson {
 impl From<User> for UserJson {
     fn from(user: User) -> Self {
         let locked_until = user.locked_until.map(Timestamp);
-        Self { name: user.name, role: user.role, disabled: user.disabled, locked_until, created: user.created.into() }
+        Self {
+            name: user.name,
+            role: user.role,
+            disabled: user.disabled,
+            locked_until,
+            created: user.created.into(),
+        }
     }
 }
 

@@ -178,7 +178,9 @@ pub(super) async fn forget_device(
     let kind = match kind.as_str() {
         "gateway" => DeviceKind::Gateway,
         "anchor" => DeviceKind::Anchor,
-        other => return Err(ApiError::not_found(format!("a device is a gateway or an anchor, found '{other}'"))),
+        other => {
+            return Err(ApiError::not_found(format!("a device is a gateway or an anchor, found '{other}'")));
+        }
     };
     context.command(&caller, Command::ForgetDevice { kind, id }).await?;
     Ok(StatusCode::NO_CONTENT)

@@ -140,14 +140,12 @@ impl From<&Event> for EventJson {
                 known_by: Some(word(way)),
                 ..of("came-out", *time, subject)
             },
-            Event::ContactLost { subject, last_heard } => Self {
-                last_heard: Some((*last_heard).into()),
-                ..of("contact-lost", *last_heard, subject)
-            },
-            Event::ContactRegained { subject, last_heard, time } => Self {
-                last_heard: Some((*last_heard).into()),
-                ..of("contact-regained", *time, subject)
-            },
+            Event::ContactLost { subject, last_heard } => {
+                Self { last_heard: Some((*last_heard).into()), ..of("contact-lost", *last_heard, subject) }
+            }
+            Event::ContactRegained { subject, last_heard, time } => {
+                Self { last_heard: Some((*last_heard).into()), ..of("contact-regained", *time, subject) }
+            }
             Event::TagAppeared { tag, time } => Self { tag: Some(tag.clone()), ..at("tag-appeared", *time) },
             Event::TagAssigned { tag, person, time } => {
                 Self { tag: Some(tag.clone()), person: Some(person.clone()), ..at("tag-assigned", *time) }

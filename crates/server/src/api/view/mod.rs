@@ -7,10 +7,10 @@ mod place;
 mod zone;
 
 pub use alarm::AlarmJson;
-pub use event::EventJson;
 pub(super) use evacuation::EvacuationJson;
-pub use place::{LiveJson, WhereJson};
+pub use event::EventJson;
 pub(super) use place::{DeviceJson, PersonJson, TagJson};
+pub use place::{LiveJson, WhereJson};
 pub(super) use zone::{HeadcountJson, ZoneJson};
 
 use adit_tracking::Subject;

@@ -2,10 +2,10 @@
 
 use super::{who, word};
 use crate::api::Timestamp;
-use adit_tracking::view::{DeviceView, LastKnown, MotionView, PersonView, SubjectView, TagView, Whereabouts};
 use crate::api::v1::people::PersonBody;
 use crate::api::v1::tags::TagBody;
 use adit_tracking::Charge;
+use adit_tracking::view::{DeviceView, LastKnown, MotionView, PersonView, SubjectView, TagView, Whereabouts};
 use serde::Serialize;
 use utoipa::ToSchema;
 
