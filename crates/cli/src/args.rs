@@ -7,6 +7,7 @@ mod nlos;
 mod radio;
 mod range;
 mod serve;
+mod store;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
@@ -15,6 +16,7 @@ pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
 pub use serve::ServeArgs;
+pub use store::{AuditArgs, AuditVerb, AuditVerifyArgs, Exported, StoreArgs, StoreExportArgs, StoreVerb};
 pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
@@ -155,6 +157,10 @@ pub enum Verb {
     Tune(TuneArgs),
     /// Follow everybody live: gateways in; positions, alarms and an open API out
     Serve(ServeArgs),
+    /// Back up, check or export what a server has stored
+    Store(StoreArgs),
+    /// Find out whether somebody tampered with the audit log of a server
+    Audit(AuditArgs),
 }
 
 /// `adit demo`.

@@ -9,6 +9,7 @@ mod nlos;
 mod recorded_set;
 mod serve;
 mod simulate;
+mod store;
 mod track;
 mod trials;
 mod tune;
@@ -29,5 +30,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
         Verb::Serve(args) => serve::run(args),
+        Verb::Store(args) => store::store(args),
+        Verb::Audit(args) => store::audit(args),
     }
 }
