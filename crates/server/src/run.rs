@@ -50,8 +50,7 @@ pub struct Parts {
     pub tracking: Arc<RwLock<Tracking>>,
     /// History.
     pub store: Store,
-    /// Questions to the pipeline.
-    pub asked: Sender<Asked>,
+    asked: Sender<Asked>,
     /// How the parts are.
     pub health: Arc<Health>,
     stop: watch::Sender<bool>,
@@ -112,7 +111,7 @@ pub async fn start(
         .spawn(move || pipeline.run(&groups, &questions, &trimmer, outlet))
         .map_err(|source| ServerError::Thread { name: "pipeline", source })?;
 
-    let door = Door::new(committer);
+    let door = Door::new(committer, asked.clone());
     let (stop, stopped) = watch::channel(false);
     tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
     if let Some(mqtt) = mqtt {
