@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod compare;
+mod load;
 pub mod mine;
 mod nlos;
 mod radio;
@@ -11,6 +12,7 @@ mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
+pub use load::LoadArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
@@ -155,6 +157,8 @@ pub enum Verb {
     Tune(TuneArgs),
     /// Follow everybody live: gateways in; positions, alarms and an open API out
     Serve(ServeArgs),
+    /// Load a server with simulated tags and tell what came of what was sent
+    Load(LoadArgs),
 }
 
 /// `adit demo`.

@@ -103,7 +103,8 @@ pub async fn start(
     let (pipeline, journal, gateways, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
     let tracking = pipeline.tracking();
 
-    let (committer, groups, journal_thread) = Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
+    let (committer, groups, journal_thread) =
+        Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
     let (asked, questions) = channel();
     let trimmer = committer.clone();
     let pipeline_thread = std::thread::Builder::new()

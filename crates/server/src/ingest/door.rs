@@ -4,11 +4,11 @@ use crate::journal::{
     Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position,
     UserCommand, What,
 };
+use crate::pipeline::{Asked, TagHealth};
 use adit_core::frames::MineGrid;
 use adit_core::time::Time;
 use adit_observation::wire::{Batch, Packet, Resolution, WireError};
 use adit_tracking::{Command, Outcome, Refused};
-use crate::pipeline::{Asked, TagHealth};
 use prost::bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use std::sync::mpsc::Sender;

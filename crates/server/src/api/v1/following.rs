@@ -58,7 +58,9 @@ pub(super) struct Packets {
 
 /// The numbers of all packets that came, tag by tag: what a gateway or a load generator has sent and does not find here was lost.
 #[utoipa::path(get, path = "/api/v1/packets", tag = "tags", responses((status = 200, description = "by tag", body = Vec<Packets>)))]
-pub(super) async fn packets(State(context): State<Arc<Context>>) -> Result<axum::Json<Vec<Packets>>, ApiError> {
+pub(super) async fn packets(
+    State(context): State<Arc<Context>>,
+) -> Result<axum::Json<Vec<Packets>>, ApiError> {
     let packets = context.door.packets().await.unwrap_or_default();
     let packets = packets.into_iter().map(|(tag, numbers)| Packets {
         tag,
