@@ -69,7 +69,7 @@ pub(super) async fn clear(
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Comment {
-    #[schema(min_length = 1, max_length = 1000)]
+    #[schema(min_length = 1, max_length = 2000)]
     text: String,
 }
 
@@ -113,7 +113,7 @@ pub(super) struct StartEvacuation {
     #[serde(default)]
     levels: BTreeSet<String>,
     #[serde(default)]
-    #[schema(max_length = 1000)]
+    #[schema(max_length = 2000)]
     note: String,
 }
 

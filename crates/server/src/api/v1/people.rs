@@ -120,7 +120,7 @@ pub(super) async fn remove(
 #[serde(deny_unknown_fields)]
 pub(in crate::api) struct Remark {
     #[serde(default)]
-    #[schema(max_length = 1000)]
+    #[schema(max_length = 2000)]
     pub note: String,
 }
 
