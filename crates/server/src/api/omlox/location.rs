@@ -23,15 +23,12 @@ pub(super) struct Point {
     coordinates: Vec<f64>,
 }
 
-/// A location as a client puts it; members that are not named here are not read.
+/// A location as a client puts it; `source`, `provider_type` and other members are taken and not read.
 #[derive(Debug, Deserialize, ToSchema)]
 #[schema(as = PutLocation)]
 pub(super) struct PutLocation {
     position: Point,
-    /// Zone id or foreign id.
-    source: Option<String>,
     provider_id: Option<String>,
-    provider_type: Option<String>,
     timestamp_generated: Option<Timestamp>,
     /// `local` where it is not given.
     crs: Option<String>,

@@ -111,6 +111,7 @@ pub(super) async fn board(State(context): State<Arc<Context>>) -> axum::Json<Boa
 pub(super) struct StartEvacuation {
     /// Ids of the levels to leave; the whole mine where it is empty.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     levels: BTreeSet<String>,
     #[serde(default)]
     #[schema(max_length = 2000)]

@@ -31,6 +31,7 @@ pub(in crate::api) struct PersonBody {
     shift_limit_h: Option<f64>,
     /// Ids of the restricted zones that they may enter.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     allowed_zones: BTreeSet<String>,
 }
 

@@ -40,6 +40,7 @@ pub(in crate::api) struct ZoneBody {
     outline_m: Vec<[f64; 2]>,
     /// Teams whose people may enter it when it is restricted.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     allowed_teams: BTreeSet<String>,
 }
 
