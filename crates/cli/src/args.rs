@@ -6,6 +6,7 @@ pub mod mine;
 mod nlos;
 mod radio;
 mod range;
+mod serve;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
@@ -13,6 +14,7 @@ pub use compare::CompareArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
+pub use serve::ServeArgs;
 pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
@@ -151,6 +153,8 @@ pub enum Verb {
     Compare(CompareArgs),
     /// Find the noise parameters of a method on logs with truth
     Tune(TuneArgs),
+    /// Follow everybody live: gateways in; positions, alarms and an open API out
+    Serve(ServeArgs),
 }
 
 /// `adit demo`.

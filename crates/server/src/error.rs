@@ -65,6 +65,9 @@ pub enum ServerError {
     /// The store failed.
     #[error(transparent)]
     Store(#[from] crate::store::StoreError),
+    /// An export could not be written in its format.
+    #[error("export: {0}")]
+    Export(String),
     /// A file of a certificate cannot be used.
     #[error("{path}: expected {expected}: {found}")]
     Tls {
@@ -75,6 +78,17 @@ pub enum ServerError {
         /// What was found.
         found: String,
     },
+    /// The address of the API cannot be had.
+    #[error("{address}: {source}")]
+    Bind {
+        /// Which.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Users, sessions or tokens failed.
+    #[error(transparent)]
+    Auth(#[from] crate::auth::AuthError),
     /// The socket of the API failed.
     #[error("the socket of the API: {source}")]
     Listen {

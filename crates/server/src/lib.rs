@@ -10,9 +10,11 @@ pub mod ingest;
 pub mod journal;
 pub mod pipeline;
 mod run;
+mod server;
 pub mod store;
 mod writer;
 
-pub use clock::now;
 pub use error::ServerError;
+pub use clock::now;
 pub use run::{Parts, Settings, start};
+pub use server::{Server, Serving};

@@ -1,9 +1,10 @@
-//! All parts together: one process for one mine.
+//! The parts that work, without the API: journal, pipeline, store, broker.
 
+use crate::api::Health;
 use crate::clock;
 use crate::error::ServerError;
 use crate::ingest::Door;
-use crate::ingest::mqtt::{self, BrokerState, MqttSettings};
+use crate::ingest::mqtt::{self, MqttSettings};
 use crate::journal::Committer;
 use crate::pipeline::{Asked, Pipeline, PipelineSettings, Profiles, RoundOutcome, Started};
 use crate::store::{Retention, Store};
@@ -49,10 +50,9 @@ pub struct Parts {
     pub tracking: Arc<RwLock<Tracking>>,
     /// History.
     pub store: Store,
-    /// Questions to the pipeline.
-    pub asked: Sender<Asked>,
-    /// The broker.
-    pub broker: Arc<BrokerState>,
+    asked: Sender<Asked>,
+    /// How the parts are.
+    pub health: Arc<Health>,
     stop: watch::Sender<bool>,
     tasks: Vec<tokio::task::JoinHandle<()>>,
     threads: Vec<JoinHandle<()>>,
@@ -61,7 +61,7 @@ pub struct Parts {
 /// Starts everything but the API: reads what is kept, takes the journal from there on, then listens. `told` hears of each round.
 pub async fn start(
     settings: Settings,
-    mut told: impl FnMut(&Arc<RoundOutcome>, &RwLock<Tracking>) + Send + 'static,
+    mut told: impl FnMut(&RoundOutcome, &RwLock<Tracking>) + Send + 'static,
 ) -> Result<Parts, ServerError> {
     let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, .. } = settings;
     std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
@@ -69,6 +69,7 @@ pub async fn start(
     let stored = Arc::new(AtomicU64::new(store.applied().await?));
     let (writing, outcomes) = mpsc::unbounded_channel();
     let mut tasks = Vec::new();
+    let health = Arc::new(Health::default());
     let written = Arc::clone(&stored);
     tasks.push(tokio::spawn(writer::write(
         store.clone(),
@@ -76,6 +77,7 @@ pub async fn start(
         retention,
         clock::now,
         written,
+        Arc::clone(&health),
         outcomes,
     )));
 
@@ -89,7 +91,6 @@ pub async fn start(
         }
         let tracking = pipeline.tracking();
         let mut outlet = move |outcome: RoundOutcome| {
-            let outcome = Arc::new(outcome);
             told(&outcome, &tracking);
             // The writer ends after everybody who tells it.
             let _ = writing.send(outcome);
@@ -102,7 +103,7 @@ pub async fn start(
     let (pipeline, journal, gateways, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
     let tracking = pipeline.tracking();
 
-    let (committer, groups, journal_thread) = Committer::start(journal, gateways, clock::now)?;
+    let (committer, groups, journal_thread) = Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
     let (asked, questions) = channel();
     let trimmer = committer.clone();
     let pipeline_thread = std::thread::Builder::new()
@@ -110,16 +111,15 @@ pub async fn start(
         .spawn(move || pipeline.run(&groups, &questions, &trimmer, outlet))
         .map_err(|source| ServerError::Thread { name: "pipeline", source })?;
 
-    let door = Door::new(committer);
+    let door = Door::new(committer, asked.clone());
     let (stop, stopped) = watch::channel(false);
     tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
-    let broker = Arc::new(BrokerState::default());
     if let Some(mqtt) = mqtt {
-        let (door, broker) = (door.clone(), Arc::clone(&broker));
-        tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, broker, stopped).await }));
+        let (door, health) = (door.clone(), Arc::clone(&health));
+        tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, health, stopped).await }));
     }
     let threads = vec![pipeline_thread, journal_thread];
-    Ok(Parts { door, tracking, store, asked, broker, stop, tasks, threads })
+    Ok(Parts { door, tracking, store, asked, health, stop, tasks, threads })
 }
 
 impl Parts {

@@ -3,6 +3,7 @@
 //! Rounds wait here while the store is locked or the disk is full, and are tried again. Past [`MOST_FIXES`] waiting fixes the oldest fixes
 //! are given up, counted (`adit_fixes_given_up_total`) and logged: a track has a hole then. Events are kept.
 
+use crate::api::{Health, Part};
 use crate::pipeline::{RoundOutcome, TrackedFix};
 use crate::store::{AlarmRecord, EventRecord, FixRecord, Record, Retention, Round, Store, StoreError};
 use adit_core::time::Time;
@@ -30,7 +31,8 @@ pub async fn write(
     retention: Retention,
     now: impl Fn() -> Time,
     stored: Arc<AtomicU64>,
-    mut outcomes: mpsc::UnboundedReceiver<Arc<RoundOutcome>>,
+    health: Arc<Health>,
+    mut outcomes: mpsc::UnboundedReceiver<RoundOutcome>,
 ) {
     let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0, stored };
     let mut maintenance = Instant::now() + MAINTENANCE;
@@ -50,6 +52,7 @@ pub async fn write(
         if let Err(error) = desk.commit().await {
             metrics::counter!("adit_store_failures_total").increment(1);
             tracing::warn!("{error}; {} rounds wait", desk.waiting.len());
+            health.tell(Part::Store, Err(error.to_string()));
             if !open {
                 // What waits is in the journal, and is written at the next start.
                 return;
@@ -59,6 +62,7 @@ pub async fn write(
             continue;
         }
         desk.retry = RETRY.0;
+        health.tell(Part::Store, Ok(()));
         if Instant::now() >= maintenance {
             desk.maintain(now(), &retention).await;
             maintenance = Instant::now() + MAINTENANCE;

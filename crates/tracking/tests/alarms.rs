@@ -1,5 +1,6 @@
 //! What raises an alarm, what ends it, and what users do with it.
 #![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::float_cmp, reason = "positions are as they were given")]
 
 mod common;
 

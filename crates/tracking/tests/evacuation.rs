@@ -1,5 +1,6 @@
 //! Everybody out: who is safe, who is on the way, who is missing.
 #![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::float_cmp, reason = "lengths of straight roadways are exact")]
 
 mod common;
 

@@ -7,6 +7,7 @@ mod eval;
 mod mine;
 mod nlos;
 mod recorded_set;
+mod serve;
 mod simulate;
 mod track;
 mod trials;
@@ -27,5 +28,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Nlos(args) => nlos::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
+        Verb::Serve(args) => serve::run(args),
     }
 }

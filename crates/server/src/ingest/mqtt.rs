@@ -5,10 +5,14 @@
 //! session is kept by the broker (`clean_session = false`): what is sent while the server is away waits there. What is no batch is acknowledged, counted
 //! and logged: sent again it would be none either.
 
+use crate::api::{Health, Part};
 use super::door::{Door, DoorError, Source};
+use crate::error::ServerError;
 use rumqttc::{AsyncClient, ConnectionError, Event, EventLoop, MqttOptions, Packet, Publish, QoS, Transport};
+use rustls::pki_types::CertificateDer;
+use rustls::pki_types::pem::PemObject as _;
+use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::{Semaphore, watch};
 
@@ -34,29 +38,16 @@ pub struct MqttSettings {
     pub tls: Option<Arc<rustls::ClientConfig>>,
 }
 
-/// How the broker is, for `/health`.
-#[derive(Debug, Default)]
-pub struct BrokerState {
-    connected: AtomicBool,
-}
-
-impl BrokerState {
-    /// Whether the broker is there.
-    pub fn is_connected(&self) -> bool {
-        self.connected.load(Ordering::Relaxed)
-    }
-}
-
 /// Listens until it is told to stop; never ends by an error of the broker or of a message.
 pub async fn listen(
     settings: &MqttSettings,
     door: Door,
-    state: Arc<BrokerState>,
+    health: Arc<Health>,
     mut stop: watch::Receiver<bool>,
 ) {
     let (client, mut events) = connect(settings);
     let places = Arc::new(Semaphore::new(MOST_IN_FLIGHT.into()));
-    let mut wait = RETRY.0;
+    let (mut wait, mut connected) = (RETRY.0, false);
     loop {
         let event = tokio::select! {
             event = events.poll() => event,
@@ -65,7 +56,8 @@ pub async fn listen(
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 wait = RETRY.0;
-                state.connected.store(true, Ordering::Relaxed);
+                health.tell(Part::Broker, Ok(()));
+                connected = true;
                 tracing::info!("broker {}:{}: connected", settings.host, settings.port);
                 for topic in ["obs", "status"] {
                     let filter = format!("adit/v1/{}/+/{topic}", settings.site);
@@ -83,7 +75,7 @@ pub async fn listen(
             }
             Ok(_) => {}
             Err(error) => {
-                if state.connected.swap(false, Ordering::Relaxed) {
+                if std::mem::take(&mut connected) {
                     metrics::counter!("adit_broker_losses_total").increment(1);
                 }
                 tracing::warn!(
@@ -102,7 +94,28 @@ pub async fn listen(
     }
     // The broker keeps the session.
     let _ = client.try_disconnect();
-    state.connected.store(false, Ordering::Relaxed);
+}
+
+/// TLS that trusts the certificates of a PEM file.
+pub fn trusting(path: &Path) -> Result<Arc<rustls::ClientConfig>, ServerError> {
+    let found = |found: &dyn std::fmt::Display| ServerError::Tls {
+        path: path.to_path_buf(),
+        expected: "PEM certificates",
+        found: found.to_string(),
+    };
+    let pem = std::fs::read(path).map_err(|source| ServerError::io(path, source))?;
+    let mut roots = rustls::RootCertStore::empty();
+    for certificate in CertificateDer::pem_slice_iter(&pem) {
+        roots.add(certificate.map_err(|error| found(&error))?).map_err(|error| found(&error))?;
+    }
+    if roots.is_empty() {
+        return Err(found(&"none"));
+    }
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = rustls::ClientConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .map_err(|error| found(&error))?;
+    Ok(Arc::new(config.with_root_certificates(roots).with_no_client_auth()))
 }
 
 fn connect(settings: &MqttSettings) -> (AsyncClient, EventLoop) {

@@ -3,11 +3,13 @@
 use super::entry::{Entry, GatewayBatch, What};
 use super::seen::Seen;
 use super::{Journal, Position};
+use crate::api::{Health, Part};
 use crate::error::ServerError;
 use adit_core::time::Time;
 use adit_tracking::{Outcome, Refused};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use tokio::sync::{mpsc, oneshot};
@@ -144,10 +146,11 @@ impl Committer {
         journal: Journal,
         gateways: Gateways,
         now: impl Fn() -> Time + Send + 'static,
+        health: Arc<Health>,
     ) -> Result<(Self, Receiver<Vec<Committed>>, JoinHandle<()>), ServerError> {
         let (requests, inbox) = mpsc::channel(MOST_WAITING);
         let (groups, outbox) = sync_channel(MOST_GROUPS);
-        let mut desk = Desk { journal, gateways, groups, now };
+        let mut desk = Desk { journal, gateways, groups, now, health };
         let thread = std::thread::Builder::new().name("journal".to_owned()).spawn(move || desk.run(inbox));
         let thread = thread.map_err(|source| ServerError::Thread { name: "journal", source })?;
         Ok((Self { requests }, outbox, thread))
@@ -195,6 +198,7 @@ struct Desk<Now> {
     gateways: Gateways,
     groups: SyncSender<Vec<Committed>>,
     now: Now,
+    health: Arc<Health>,
 }
 
 impl<Now: Fn() -> Time> Desk<Now> {
@@ -243,6 +247,7 @@ impl<Now: Fn() -> Time> Desk<Now> {
             if entries.is_empty() { Ok(self.journal.next()) } else { self.journal.append(&entries) };
         let first = match written {
             Ok(first) => {
+                self.health.tell(Part::Journal, Ok(()));
                 for (position, (reply, _)) in (first..).zip(replies) {
                     answer(reply, Ok(Appended::At(position)));
                 }
@@ -253,6 +258,7 @@ impl<Now: Fn() -> Time> Desk<Now> {
             }
             Err(error) => {
                 tracing::error!("{error}");
+                self.health.tell(Part::Journal, Err(error.to_string()));
                 metrics::counter!("adit_journal_failures_total").increment(1);
                 let not_stored =
                     if error.is_full() { NotStored::Full } else { NotStored::Failed(error.to_string()) };

@@ -37,7 +37,7 @@ impl Store {
         Ok(())
     }
 
-    /// Reads the whole file for damage: pages, keys and rows as SQLite knows them, and every chunk of tracks. Says what is wrong; empty: nothing.
+    /// Reads the whole file for damage: pages, keys and rows as `SQLite` knows them, and every chunk of tracks. Says what is wrong; empty: nothing.
     pub async fn check(&self) -> Result<Vec<String>, StoreError> {
         use futures_util::TryStreamExt as _;
         let failed = |error: sqlx::Error| self.failed(&error);

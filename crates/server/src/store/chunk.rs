@@ -70,31 +70,41 @@ pub(crate) fn unpack(row: &ChunkRow, count: usize, bytes: &[u8]) -> Result<Vec<P
             body.first().copied().unwrap_or_default()
         )));
     };
-    let mut columns = Vec::with_capacity(8);
-    columns.push(take::<u32>(&mut left, count).map_err(|what| wrong(&what))?);
-    for _ in 0..3 {
-        columns.push(take::<i32>(&mut left, count).map_err(|what| wrong(&what))?);
-    }
-    for _ in 0..4 {
-        columns.push(take::<u32>(&mut left, count).map_err(|what| wrong(&what))?);
-    }
-    let [time, x, y, z, radius, quality, level, zone] = columns.as_slice() else {
-        return Err(wrong("columns are missing"));
-    };
-    let fix = |(((((((time, x), y), z), radius), quality), level), zone): (
-        ((((((&i64, &i64), &i64), &i64), &i64), &i64), &i64),
-        &i64,
-    )| PackedFix {
-        time_ms: row.from_ms.saturating_add(*time),
+    let empty = PackedFix {
+        time_ms: row.from_ms,
         tag: row.tag,
         person: row.person,
-        position_cm: [*x, *y, *z],
-        radius_cm: *radius,
-        quality: *quality,
-        level: *level,
-        zone: *zone,
+        position_cm: [0; 3],
+        radius_cm: 0,
+        quality: 0,
+        level: 0,
+        zone: 0,
     };
-    Ok(time.iter().zip(x).zip(y).zip(z).zip(radius).zip(quality).zip(level).zip(zone).map(fix).collect())
+    let mut fixes = vec![empty; count];
+    let left = &mut left;
+    fill::<u32>(left, &mut fixes, |fix, after| fix.time_ms = row.from_ms.saturating_add(after))
+        .and_then(|()| fill::<i32>(left, &mut fixes, |fix, x| fix.position_cm[0] = x))
+        .and_then(|()| fill::<i32>(left, &mut fixes, |fix, y| fix.position_cm[1] = y))
+        .and_then(|()| fill::<i32>(left, &mut fixes, |fix, z| fix.position_cm[2] = z))
+        .and_then(|()| fill::<u32>(left, &mut fixes, |fix, radius| fix.radius_cm = radius))
+        .and_then(|()| fill::<u32>(left, &mut fixes, |fix, quality| fix.quality = quality))
+        .and_then(|()| fill::<u32>(left, &mut fixes, |fix, level| fix.level = level))
+        .and_then(|()| fill::<u32>(left, &mut fixes, |fix, zone| fix.zone = zone))
+        .map_err(|what| wrong(&what))?;
+    Ok(fixes)
+}
+
+/// The next column into its field.
+fn fill<T: Number + Into<i64> + Bytes4>(
+    left: &mut &[u8],
+    fixes: &mut [PackedFix],
+    set: impl Fn(&mut PackedFix, i64),
+) -> Result<(), String> {
+    let column = take::<T>(left, fixes.len())?;
+    for (fix, value) in fixes.iter_mut().zip(column) {
+        set(fix, value);
+    }
+    Ok(())
 }
 
 fn put<T: Number + TryFrom<i64> + Into<i64> + PartialEq + Bytes4>(

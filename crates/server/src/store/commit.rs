@@ -12,10 +12,10 @@ const AT_ONCE: [usize; 3] = [128, 16, 1];
 
 const COLUMNS: usize = 10;
 
-/// The statements for so many fixes; the same text each time, so that SQLite prepares each once.
+/// The statements for so many fixes; the same text each time, so that `SQLite` prepares each once.
 static INSERT_FIXES: LazyLock<[Arc<str>; 3]> = LazyLock::new(|| {
     AT_ONCE.map(|rows| {
-        let row = format!("({})", vec!["?"; COLUMNS].join(","));
+        let row = format!("({})", ["?"; COLUMNS].join(","));
         let rows = vec![row; rows].join(",");
         format!("INSERT INTO fix_recent (time_ms, tag, person, x_cm, y_cm, z_cm, radius_cm, quality, level, zone) VALUES {rows}").into()
     })
@@ -81,13 +81,13 @@ async fn write_rounds(
         outcome.applied = round.position;
         for record in &round.records {
             match record {
-                Record::Fix(fix) => match packed(fix, naming, connection).await? {
-                    Some(fix) => fixes.push(fix),
-                    None => {
+                Record::Fix(fix) => {
+                    let Some(fix) = packed(fix, naming, connection).await? else {
                         outcome.refused += 1;
                         continue;
-                    }
-                },
+                    };
+                    fixes.push(fix);
+                }
                 Record::Event(event) => write_event(event, naming, connection).await?,
                 Record::Alarm(alarm) => write_alarm(alarm, naming, connection).await?,
                 Record::Audit(entry) => chain = Some(audit::append(entry, chain, connection).await?),

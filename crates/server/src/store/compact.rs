@@ -14,7 +14,7 @@ use sqlx::{Row as _, SqliteConnection};
 use std::collections::{BTreeMap, HashMap};
 
 /// Fixes that make a chunk whole: twice as many are packed no better.
-const WHOLE: usize = 1024;
+const WHOLE: u32 = 1024;
 /// From so many on a chunk is left as it is.
 const ENOUGH: usize = 512;
 /// So many small chunks of one tag become one, however few fixes they have.
@@ -24,7 +24,7 @@ const SETTLED_MS: i64 = 30_000;
 /// Recent fixes packed in one transaction.
 const AT_ONCE: i64 = 400_000;
 /// Tags whose small chunks are joined in one transaction.
-const TAGS_AT_ONCE: usize = 64;
+const TAGS_AT_ONCE: u32 = 64;
 
 /// What packing did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,7 +43,7 @@ struct NewChunk {
     person: i64,
     from_ms: i64,
     until_ms: i64,
-    count: usize,
+    count: i64,
     whole: bool,
     columns: Vec<u8>,
 }
@@ -160,9 +160,9 @@ impl Store {
         let tags: Vec<i64> = sqlx::query_scalar(
             "SELECT tag FROM track_chunk WHERE whole = 0 GROUP BY tag HAVING sum(count) >= ?1 OR count(*) >= ?2 LIMIT ?3",
         )
-        .bind(WHOLE as i64)
+        .bind(WHOLE)
         .bind(PARTS)
-        .bind(TAGS_AT_ONCE as i64)
+        .bind(TAGS_AT_ONCE)
         .fetch_all(self.readers())
         .await
         .map_err(failed)?;
@@ -213,7 +213,7 @@ impl Store {
         }
         done.joined += replaced.len() as u64;
         done.chunks += chunks.len() as u64;
-        Ok(tags.len() == TAGS_AT_ONCE)
+        Ok(tags.len() == TAGS_AT_ONCE as usize)
     }
 
     async fn packed_off_thread(
@@ -247,7 +247,7 @@ fn pack(fixes: &[PackedFix], whole: bool, chunks: &mut Vec<NewChunk>) -> Result<
             |fix: &PackedFix| fix.person == first.person && fix.time_ms - first.time_ms <= chunk::LONGEST_MS;
         let (run, rest) = left.split_at(left.iter().position(|fix| !same(fix)).unwrap_or(left.len()));
         left = rest;
-        let pieces = (run.len() / WHOLE).max(1);
+        let pieces = (run.len() / WHOLE as usize).max(1);
         for piece in run.chunks(run.len().div_ceil(pieces)) {
             let (Some(from), Some(until)) = (piece.first(), piece.last()) else { continue };
             let whole = whole || piece.len() >= ENOUGH;
@@ -257,7 +257,7 @@ fn pack(fixes: &[PackedFix], whole: bool, chunks: &mut Vec<NewChunk>) -> Result<
                 person: from.person,
                 from_ms: from.time_ms,
                 until_ms: until.time_ms,
-                count: piece.len(),
+                count: (piece.len() as u64).cast_signed(),
                 whole,
                 columns: chunk::pack(piece, effort)?,
             });
@@ -280,7 +280,7 @@ async fn replace(
             .bind(chunk.person)
             .bind(chunk.from_ms)
             .bind(chunk.until_ms)
-            .bind(chunk.count as i64)
+            .bind(chunk.count)
             .bind(chunk.whole)
             .bind(chunk.columns.as_slice())
             .execute(&mut *connection)

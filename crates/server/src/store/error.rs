@@ -10,7 +10,7 @@ pub enum StoreError {
     Locked {
         /// The store.
         path: PathBuf,
-        /// What SQLite said.
+        /// What `SQLite` said.
         said: String,
     },
     /// No space is left: nothing of the transaction is in the file; it may be tried again when there is.
@@ -18,7 +18,7 @@ pub enum StoreError {
     Full {
         /// The store.
         path: PathBuf,
-        /// What SQLite said.
+        /// What `SQLite` said.
         said: String,
     },
     /// The file cannot be opened, read or written.
@@ -26,18 +26,18 @@ pub enum StoreError {
     Io {
         /// The store.
         path: PathBuf,
-        /// What SQLite or the system said.
+        /// What `SQLite` or the system said.
         said: String,
     },
-    /// The file is no SQLite database.
+    /// The file is no `SQLite` database.
     #[error("{path}: not a database of adit: {said}")]
     NotADatabase {
         /// The store.
         path: PathBuf,
-        /// What SQLite said.
+        /// What `SQLite` said.
         said: String,
     },
-    /// A SQLite database, but of another program.
+    /// A `SQLite` database, but of another program.
     #[error("{path}: a database of another program: application id {found}, expected {expected}")]
     Foreign {
         /// The store.

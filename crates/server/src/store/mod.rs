@@ -1,4 +1,4 @@
-//! What a mine's life leaves behind: tracks, events, alarms and who changed what, in one SQLite file.
+//! What a mine's life leaves behind: tracks, events, alarms and who changed what, in one `SQLite` file.
 //!
 //! [`Store::open`] makes or opens the file and brings its schema up to date. [`Store::commit`] writes rounds of [`Record`]s in one
 //! transaction together with the position of the journal, so that a journal replayed after a crash writes nothing twice. One connection
@@ -100,6 +100,10 @@ impl Store {
             .acquire_timeout(TURN)
             .idle_timeout(None)
             .max_lifetime(None)
+            // On a full disk SQLite ends a transaction by itself, and sqlx counts it as open for ever: such a connection goes.
+            .after_release(|connection, _| {
+                Box::pin(async move { Ok(!sqlx::Connection::is_in_transaction(connection)) })
+            })
             .connect_with(file.clone())
             .await
             .map_err(failed)?;

@@ -8,9 +8,10 @@ use adit_core::time::Time;
 use serde::{Deserialize, Serialize};
 use sqlx::{AssertSqlSafe, Row as _};
 
+const NANOS_PER_HOUR: i64 = 3_600_000_000_000;
 const NANOS_PER_DAY: i64 = 86_400_000_000_000;
 /// Rows taken away in one transaction.
-const AT_ONCE: i64 = 1000;
+const AT_ONCE: u32 = 1000;
 /// Pages given back in one transaction: 8 MB.
 const PAGES: i64 = 2000;
 
@@ -44,12 +45,13 @@ pub struct Retained {
 }
 
 impl Store {
-    /// Takes away what is older than it may be at `now`: exactly, a chunk that reaches over the limit is packed anew. Each step holds the writer
+    /// Takes away what is older than it may be at `now`, in whole hours: a chunk that reaches over the limit is packed anew. Each step holds the writer
     /// for some 10 ms.
     pub async fn retain(&self, now: Time, retention: &Retention) -> Result<Retained, StoreError> {
         let _turn = self.maintenance().await;
         let before = |days: u32| {
-            Time::from_nanos(now.nanos().saturating_sub(NANOS_PER_DAY.saturating_mul(i64::from(days))))
+            let limit = now.nanos().saturating_sub(NANOS_PER_DAY.saturating_mul(i64::from(days)));
+            Time::from_nanos(limit.div_euclid(NANOS_PER_HOUR).saturating_mul(NANOS_PER_HOUR))
         };
         let mut gone = Retained::default();
         if let Some(days) = retention.tracks_days {
@@ -81,7 +83,7 @@ impl Store {
             .await
             .map_err(failed)?;
             fixes += counts.iter().sum::<i64>();
-            if (counts.len() as i64) < AT_ONCE {
+            if (counts.len() as u64) < u64::from(AT_ONCE) {
                 break;
             }
         }
@@ -92,10 +94,9 @@ impl Store {
                 .execute(self.writer())
                 .await
                 .map_err(failed)?
-                .rows_affected()
-                .cast_signed();
-            fixes += gone;
-            if gone < AT_ONCE {
+                .rows_affected();
+            fixes += gone.cast_signed();
+            if gone < u64::from(AT_ONCE) {
                 break;
             }
         }
@@ -136,12 +137,12 @@ impl Store {
             sqlx::query("UPDATE track_chunk SET from_ms = ?2, count = ?3, columns = ?4 WHERE id = ?1")
                 .bind(id)
                 .bind(first.time_ms)
-                .bind(fixes.len() as i64)
+                .bind((fixes.len() as u64).cast_signed())
                 .bind(columns)
                 .execute(self.writer())
                 .await
                 .map_err(failed)?;
-            gone += (before - fixes.len()) as i64;
+            gone += ((before - fixes.len()) as u64).cast_signed();
         }
         Ok(gone)
     }
@@ -165,13 +166,13 @@ impl Store {
             }
             transaction.commit().await?;
             gone += ids.len() as u64;
-            if (ids.len() as i64) < AT_ONCE {
+            if (ids.len() as u64) < u64::from(AT_ONCE) {
                 return Ok(gone);
             }
         }
     }
 
-    /// Free pages go back to the disk.
+    /// Free pages go back to the disk, once they are a quarter of the file: below that they are soon used again.
     async fn give_back(&self) -> Result<u64, StoreError> {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut connection = self.writer().acquire().await.map_err(failed)?;
@@ -179,8 +180,13 @@ impl Store {
             sqlx::query_scalar("PRAGMA page_size").fetch_one(&mut *connection).await.map_err(failed)?;
         let free = "PRAGMA freelist_count";
         let at_first: i64 = sqlx::query_scalar(free).fetch_one(&mut *connection).await.map_err(failed)?;
+        let pages: i64 =
+            sqlx::query_scalar("PRAGMA page_count").fetch_one(&mut *connection).await.map_err(failed)?;
         let mut left = at_first;
         drop(connection);
+        if at_first < pages / 4 {
+            return Ok(0);
+        }
         while left > 0 {
             // Acquired anew for each step: others may write between.
             let mut connection = self.writer().acquire().await.map_err(failed)?;

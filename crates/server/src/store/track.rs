@@ -267,7 +267,7 @@ async fn chunks(
             query = query.bind(person);
         }
         let mut rows = query.fetch_all(&mut *connection).await?;
-        if rows.len() as i64 > limit
+        if (rows.len() as u64).cast_signed() > limit
             && let Some(beyond) = rows.pop()
         {
             end_ms = end_ms.min(beyond.try_get("from_ms")?);

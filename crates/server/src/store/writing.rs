@@ -5,7 +5,7 @@ use sqlx::pool::PoolConnection;
 use sqlx::{Sqlite, SqliteConnection};
 use std::ops::{Deref, DerefMut};
 
-/// The writing connection within a transaction. Unless it is committed the connection is closed, which undoes everything: on a full disk SQLite ends
+/// The writing connection within a transaction. Unless it is committed the connection is closed, which undoes everything: on a full disk `SQLite` ends
 /// the transaction by itself, and sqlx's own transactions would not come back from that.
 pub(crate) struct Writing {
     store: Store,

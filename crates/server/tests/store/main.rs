@@ -2,6 +2,7 @@
 
 mod audit;
 mod common;
+mod export;
 mod failure;
 mod logbook;
 mod once;

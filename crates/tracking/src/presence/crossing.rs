@@ -143,6 +143,9 @@ impl Presence {
                 return false;
             };
             let keeps = shape.keeps(level, at, radius_m);
+            if keeps && stay.leaving.is_none() {
+                return true;
+            }
             let through = path.and_then(|path| Some((path, path.through(shape)?)));
             if let Some(leaving) = stay.leaving {
                 let back = through.map(|(path, (first, _))| path.time(first)).or(keeps.then_some(to.time));

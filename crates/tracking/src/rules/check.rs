@@ -1,7 +1,6 @@
 //! Whether rules can be.
 
-use super::Rules;
-use crate::alarms::{AlarmKind, Severity};
+use super::{Escalation, Rules};
 
 /// A rule that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -54,16 +53,21 @@ impl Rules {
         let (low_share, low_volts) = (self.battery.low_share, self.battery.low_volts);
         number("battery.fine_share", share, (low_share..=1.0).contains(&share), "from low_share to 1")?;
         number("battery.fine_volts", volts, (low_volts..=LARGEST).contains(&volts), "low_volts or more")?;
-        for kind in AlarmKind::ALL {
-            let found = self.alarms.of(kind).hold_off_s;
-            let rule = format!("alarms.{kind:?}.hold_off_s");
+        for (name, policy) in self.alarms.named() {
+            let found = policy.hold_off_s;
+            let rule = format!("alarms.{name}.hold_off_s");
             number(&rule, found, (0.0..=LARGEST).contains(&found), "from 0 to 10⁹")?;
         }
-        for severity in [Severity::Critical, Severity::High, Severity::Medium, Severity::Low] {
+        let Escalation { critical_after_s, high_after_s, medium_after_s, low_after_s } = &self.escalation;
+        for (rule, steps) in [
+            ("escalation.critical_after_s", critical_after_s),
+            ("escalation.high_after_s", high_after_s),
+            ("escalation.medium_after_s", medium_after_s),
+            ("escalation.low_after_s", low_after_s),
+        ] {
             let mut before = 0.0;
-            for &found in self.escalation.of(severity) {
-                let rule = format!("escalation.{severity:?}");
-                number(&rule, found, found > before && found <= LARGEST, "above 0, rising, at most 10⁹")?;
+            for &found in steps {
+                number(rule, found, found > before && found <= LARGEST, "above 0, rising, at most 10⁹")?;
                 before = found;
             }
         }

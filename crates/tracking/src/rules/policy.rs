@@ -15,85 +15,89 @@ pub struct AlarmPolicy {
     pub hold_off_s: f64,
 }
 
-const fn policy(severity: Severity, hold_off_s: f64) -> AlarmPolicy {
-    AlarmPolicy { enabled: true, severity, hold_off_s }
-}
-
-/// What becomes of each kind of alarm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// What somebody wants otherwise.
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct AlarmPolicies {
-    /// [`AlarmKind::Distress`].
-    pub distress: AlarmPolicy,
-    /// [`AlarmKind::ManDown`].
-    pub man_down: AlarmPolicy,
-    /// [`AlarmKind::NoMotion`].
-    pub no_motion: AlarmPolicy,
-    /// [`AlarmKind::DangerousZone`].
-    pub dangerous_zone: AlarmPolicy,
-    /// [`AlarmKind::RestrictedZone`].
-    pub restricted_zone: AlarmPolicy,
-    /// [`AlarmKind::OverCapacity`].
-    pub over_capacity: AlarmPolicy,
-    /// [`AlarmKind::MissingInEvacuation`].
-    pub missing_in_evacuation: AlarmPolicy,
-    /// [`AlarmKind::LostContact`].
-    pub lost_contact: AlarmPolicy,
-    /// [`AlarmKind::Overtime`].
-    pub overtime: AlarmPolicy,
-    /// [`AlarmKind::TwoTags`].
-    pub two_tags: AlarmPolicy,
-    /// [`AlarmKind::LowBattery`].
-    pub low_battery: AlarmPolicy,
-    /// [`AlarmKind::GatewayDown`].
-    pub gateway_down: AlarmPolicy,
-    /// [`AlarmKind::AnchorDown`].
-    pub anchor_down: AlarmPolicy,
-    /// [`AlarmKind::Silence`].
-    pub silence: AlarmPolicy,
+struct Change {
+    enabled: Option<bool>,
+    severity: Option<Severity>,
+    hold_off_s: Option<f64>,
 }
 
-impl Default for AlarmPolicies {
-    fn default() -> Self {
+impl AlarmPolicy {
+    fn changed(self, change: &Change) -> Self {
         Self {
-            distress: policy(Severity::Critical, 0.0),
-            man_down: policy(Severity::Critical, 0.0),
-            no_motion: policy(Severity::High, 60.0),
-            dangerous_zone: policy(Severity::Critical, 10.0),
-            restricted_zone: policy(Severity::High, 30.0),
-            over_capacity: policy(Severity::Medium, 60.0),
-            missing_in_evacuation: policy(Severity::Critical, 0.0),
-            lost_contact: policy(Severity::High, 60.0),
-            overtime: policy(Severity::Medium, 600.0),
-            two_tags: policy(Severity::Medium, 60.0),
-            low_battery: policy(Severity::Low, 600.0),
-            gateway_down: policy(Severity::High, 60.0),
-            anchor_down: policy(Severity::Medium, 60.0),
-            silence: policy(Severity::Critical, 30.0),
+            enabled: change.enabled.unwrap_or(self.enabled),
+            severity: change.severity.unwrap_or(self.severity),
+            hold_off_s: change.hold_off_s.unwrap_or(self.hold_off_s),
         }
     }
 }
 
-impl AlarmPolicies {
-    /// The policy of a kind.
-    pub const fn of(&self, kind: AlarmKind) -> &AlarmPolicy {
-        match kind {
-            AlarmKind::Distress => &self.distress,
-            AlarmKind::ManDown => &self.man_down,
-            AlarmKind::NoMotion => &self.no_motion,
-            AlarmKind::DangerousZone => &self.dangerous_zone,
-            AlarmKind::RestrictedZone => &self.restricted_zone,
-            AlarmKind::OverCapacity => &self.over_capacity,
-            AlarmKind::MissingInEvacuation => &self.missing_in_evacuation,
-            AlarmKind::LostContact => &self.lost_contact,
-            AlarmKind::Overtime => &self.overtime,
-            AlarmKind::TwoTags => &self.two_tags,
-            AlarmKind::LowBattery => &self.low_battery,
-            AlarmKind::GatewayDown => &self.gateway_down,
-            AlarmKind::AnchorDown => &self.anchor_down,
-            AlarmKind::Silence => &self.silence,
+/// One policy for each kind of alarm: its name, the kind, how bad it is and its hold-off unless somebody wants otherwise.
+macro_rules! policies {
+    ($($name:ident, $kind:ident, $severity:ident, $hold_off_s:literal;)+) => {
+        /// What becomes of each kind of alarm. Whoever writes them names only what differs, also within a kind.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(from = "Changes")]
+        pub struct AlarmPolicies {
+            $(
+                #[doc = concat!("Of [`AlarmKind::", stringify!($kind), "`].")]
+                pub $name: AlarmPolicy,
+            )+
         }
-    }
+
+        #[derive(Debug, Default, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        struct Changes {
+            $($name: Change,)+
+        }
+
+        impl From<Changes> for AlarmPolicies {
+            fn from(changes: Changes) -> Self {
+                let kinds = Self::default();
+                Self { $($name: kinds.$name.changed(&changes.$name),)+ }
+            }
+        }
+
+        impl Default for AlarmPolicies {
+            fn default() -> Self {
+                let policy = |severity, hold_off_s| AlarmPolicy { enabled: true, severity, hold_off_s };
+                Self { $($name: policy(Severity::$severity, $hold_off_s),)+ }
+            }
+        }
+
+        impl AlarmPolicies {
+            /// All with their names.
+            pub(super) fn named(&self) -> impl Iterator<Item = (&'static str, &AlarmPolicy)> {
+                [$((stringify!($name), &self.$name),)+].into_iter()
+            }
+
+            /// The policy of a kind.
+            pub const fn of(&self, kind: AlarmKind) -> &AlarmPolicy {
+                match kind {
+                    $(AlarmKind::$kind => &self.$name,)+
+                }
+            }
+        }
+    };
+}
+
+policies! {
+    distress, Distress, Critical, 0.0;
+    man_down, ManDown, Critical, 0.0;
+    no_motion, NoMotion, High, 60.0;
+    dangerous_zone, DangerousZone, Critical, 10.0;
+    restricted_zone, RestrictedZone, High, 30.0;
+    over_capacity, OverCapacity, Medium, 60.0;
+    missing_in_evacuation, MissingInEvacuation, Critical, 0.0;
+    lost_contact, LostContact, High, 60.0;
+    overtime, Overtime, Medium, 600.0;
+    two_tags, TwoTags, Medium, 60.0;
+    low_battery, LowBattery, Low, 600.0;
+    gateway_down, GatewayDown, High, 60.0;
+    anchor_down, AnchorDown, Medium, 60.0;
+    silence, Silence, Critical, 30.0;
 }
 
 /// How long after it was raised an alarm that nobody has acknowledged goes up a level, s; one number for each level, rising.

@@ -108,7 +108,7 @@ impl Shape {
 
     /// Is somebody on this level at this place still inside, who was?
     pub fn keeps(&self, level: Option<LevelIndex>, at: [f64; 2], radius_m: f64) -> bool {
-        if level != self.level {
+        if level != self.level || level.is_none() {
             return false;
         }
         if self.is_told_by(radius_m) {
