@@ -156,7 +156,7 @@ async fn a_chain_whose_beginning_retention_took_away_still_stands() {
     assert_eq!(site.store.verify_audit(&[]).await.unwrap().broken, Some(AuditBreak::Beginning { anchor: 8 }));
 }
 
-/// Written by tests/reference/audit_chain.py, which knows the rule from the documentation alone.
+/// Written by `tests/reference/audit_chain.py`, which knows the rule from the documentation alone.
 #[tokio::test]
 async fn the_hash_is_what_the_documentation_says() {
     let site = Site::new().await;

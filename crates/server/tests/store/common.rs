@@ -11,7 +11,6 @@ use tempfile::TempDir;
 /// 2026-11-22T06:00:00Z.
 pub const MORNING: i64 = 1_795_327_200_000_000_000;
 pub const SECOND: i64 = 1_000_000_000;
-pub const DAY: i64 = 86_400 * SECOND;
 
 pub struct Site {
     pub store: Store,

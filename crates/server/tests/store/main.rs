@@ -1,4 +1,5 @@
 //! The store from outside: what goes in comes out, once, in little room, and what is wrong is told.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 mod audit;
 mod common;

@@ -1,7 +1,7 @@
 //! A replayed journal writes nothing twice.
 
 use crate::common::{Site, alarm, at, audit, event, fix, round};
-use adit_server::store::{LogQuery, Record, Round, StoreError, TrackOf, TrackQuery};
+use adit_server::store::{AuditQuery, LogQuery, Record, Round, StoreError, TrackOf, TrackQuery};
 
 const ROUNDS: u64 = 12;
 
@@ -27,15 +27,17 @@ fn rounds() -> Vec<Round> {
 }
 
 /// Everything that the store tells.
-async fn told(site: &Site) -> String {
-    let mut told = String::new();
+async fn told(site: &Site) -> Vec<String> {
+    let mut told = Vec::new();
     for tag in site.store.tags().await.unwrap() {
         let query = TrackQuery { of: TrackOf::Tag(tag), from: at(0), until: at(1000) };
-        told += &format!("{:?}\n", site.store.track_page(&query).await.unwrap());
+        told.push(format!("{:?}", site.store.track_page(&query).await.unwrap()));
     }
-    told += &format!("{:?}\n", site.store.events(&LogQuery::default()).await.unwrap());
-    told += &format!("{:?}\n", site.store.alarms(&LogQuery::default()).await.unwrap());
-    told += &format!("{:?}\n", site.store.applied().await.unwrap());
+    told.push(format!("{:?}", site.store.events(&LogQuery::default()).await.unwrap()));
+    told.push(format!("{:?}", site.store.alarms(&LogQuery::default()).await.unwrap()));
+    told.push(format!("{:?}", site.store.audit_rows(&AuditQuery::default()).await.unwrap()));
+    told.push(format!("{:?}", site.store.verify_audit(&[]).await.unwrap()));
+    told.push(format!("{:?}", site.store.applied().await.unwrap()));
     told
 }
 

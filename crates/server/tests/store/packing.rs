@@ -57,9 +57,9 @@ async fn what_is_read_is_the_same_before_and_after_packing() {
 async fn small_chunks_become_whole_ones() {
     let site = Site::new().await;
     let given = shift("t1", 3600, 2);
-    for (minute, fixes) in given.chunks(60).enumerate() {
+    for (minute, fixes) in (0_i64..).zip(given.chunks(60)) {
         write(&site.store, fixes).await;
-        site.store.compact(at(minute as i64 * 60 + 100)).await.unwrap();
+        site.store.compact(at(minute * 60 + 100)).await.unwrap();
     }
     let mut file = raw(&site).await;
     let counts: Vec<i64> = sqlx::query_scalar("SELECT count FROM track_chunk ORDER BY from_ms")
@@ -124,9 +124,9 @@ async fn a_person_has_the_fixes_of_every_tag_carried_and_no_other() {
         }
         let anna = track(&site.store, TrackOf::Person("anna".to_owned()), at(0), at(3000)).await;
         assert_eq!(anna.len(), 3000);
-        for (second, fix) in anna.iter().enumerate() {
+        for (second, fix) in (0_i64..).zip(&anna) {
             assert_eq!(fix.tag, if second < 1000 { "t1" } else { "t2" });
-            assert_eq!(fix.time, at(second as i64));
+            assert_eq!(fix.time, at(second));
         }
         let nobody = track(&site.store, TrackOf::Person("carla".to_owned()), at(0), at(3000)).await;
         assert_eq!(nobody, []);
@@ -163,10 +163,10 @@ async fn a_drawn_track_keeps_its_corners_and_says_how_far_it_is_off() {
     let site = Site::new().await;
     let corners = [[0.0, 0.0], [500.0, 0.0], [500.0, 300.0], [-200.0, 300.0]];
     let mut fixes = Vec::new();
-    for (leg, ends) in corners.windows(2).enumerate() {
+    for (leg, ends) in (0_i64..).zip(corners.windows(2)) {
         for second in 0..1000 {
             let share = f64::from(second) / 1000.0;
-            let mut one = fix("t1", leg as i64 * 1000 + i64::from(second), 0.0);
+            let mut one = fix("t1", leg * 1000 + i64::from(second), 0.0);
             // 10 cm to either side.
             let off = if second % 2 == 0 { 0.0 } else { 0.1 };
             one.position_m = [

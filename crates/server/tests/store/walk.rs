@@ -4,9 +4,9 @@
 //! an error of 0.2 m that forgets itself within 10 s (Gauss–Markov), 1.5 cm from one fix to the next, 1 cm of height, stamps that are a few ms
 //! off the second, a radius that follows the distance to the last anchor.
 
-use crate::common::{MORNING, SECOND};
+use crate::common::at;
 use adit_core::solution::Quality;
-use adit_core::time::Time;
+use adit_core::time::Interval;
 use adit_server::store::FixRecord;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -15,29 +15,31 @@ use rand_distr::{Distribution as _, StandardNormal, Uniform};
 const MEMORY_S: f64 = 10.0;
 const WANDER_M: f64 = 0.2;
 const STEP_TO_STEP_M: f64 = 0.015;
-const JITTER_MS: f64 = 4.0;
+const JITTER_S: f64 = 0.004;
 
 pub fn shift(tag: &str, fixes: usize, seed: u64) -> Vec<FixRecord> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let unit = Uniform::new(0.0_f64, 1.0).unwrap();
+    let quarter = Uniform::new(0_usize, 4).unwrap();
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut choice = ChaCha8Rng::seed_from_u64(seed + 1000);
     let mut place = [10_000.0 + 500.0 * unit.sample(&mut choice), 20_000.0, -350.0];
-    let (mut direction, mut left, mut speed) = (0_u32, 0.0, 0.0);
+    let (mut direction, mut left, mut speed) = (0, 0.0, 0.0);
     let mut wander = [0.0; 3];
     let mut since_anchor = 0.0;
     let decay = (-1.0 / MEMORY_S).exp();
-    (0..fixes)
+    (0_i64..)
+        .take(fixes)
         .map(|second| {
             if left <= 0.0 {
                 let walks = unit.sample(&mut choice) < 0.55;
                 left = 30.0 + 200.0 * unit.sample(&mut choice);
                 speed = if walks { 1.1 + 0.4 * unit.sample(&mut choice) } else { 0.0 };
-                direction = (unit.sample(&mut choice) * 4.0) as u32;
+                direction = quarter.sample(&mut choice);
             }
             left -= 1.0;
             let along = speed + if speed > 0.0 { 0.05 * (second as f64 * 0.7).sin() } else { 0.0 };
-            let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][direction as usize % 4];
+            let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][direction];
             place[0] += along * east;
             place[1] += along * north;
             place[2] += 0.02 * along * east;
@@ -50,9 +52,7 @@ pub fn shift(tag: &str, fixes: usize, seed: u64) -> Vec<FixRecord> {
             FixRecord {
                 person: Some(format!("p-{tag}")),
                 tag: tag.to_owned(),
-                time: Time::from_nanos(
-                    MORNING + second as i64 * SECOND + (JITTER_MS * normal() * 1e6) as i64,
-                ),
+                time: at(second) + Interval::from_seconds(JITTER_S * normal()).unwrap(),
                 position_m: std::array::from_fn(|axis| place[axis] + wander[axis] + noise[axis]),
                 radius_95_m: 0.35 + 0.004 * since_anchor + 0.01 * normal().abs(),
                 quality: if since_anchor > 150.0 { Quality::DeadReckoning } else { Quality::Fixed },
