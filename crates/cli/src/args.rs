@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod compare;
+mod load;
 pub mod mine;
 mod nlos;
 mod radio;
@@ -12,6 +13,7 @@ mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
+pub use load::LoadArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
@@ -161,6 +163,8 @@ pub enum Verb {
     Store(StoreArgs),
     /// Find out whether somebody tampered with the audit log of a server
     Audit(AuditArgs),
+    /// Load a server with simulated tags and tell what came of what was sent
+    Load(LoadArgs),
 }
 
 /// `adit demo`.

@@ -14,7 +14,7 @@ mod server;
 pub mod store;
 mod writer;
 
-pub use error::ServerError;
 pub use clock::now;
+pub use error::ServerError;
 pub use run::{Parts, Settings, start};
 pub use server::{Server, Serving};

@@ -50,8 +50,7 @@ pub struct Parts {
     pub tracking: Arc<RwLock<Tracking>>,
     /// History.
     pub store: Store,
-    /// Questions to the pipeline.
-    pub asked: Sender<Asked>,
+    asked: Sender<Asked>,
     /// How the parts are.
     pub health: Arc<Health>,
     stop: watch::Sender<bool>,
@@ -104,7 +103,8 @@ pub async fn start(
     let (pipeline, journal, gateways, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
     let tracking = pipeline.tracking();
 
-    let (committer, groups, journal_thread) = Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
+    let (committer, groups, journal_thread) =
+        Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
     let (asked, questions) = channel();
     let trimmer = committer.clone();
     let pipeline_thread = std::thread::Builder::new()
@@ -112,7 +112,7 @@ pub async fn start(
         .spawn(move || pipeline.run(&groups, &questions, &trimmer, outlet))
         .map_err(|source| ServerError::Thread { name: "pipeline", source })?;
 
-    let door = Door::new(committer);
+    let door = Door::new(committer, asked.clone());
     let (stop, stopped) = watch::channel(false);
     tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
     if let Some(mqtt) = mqtt {

@@ -4,6 +4,7 @@ mod calibrate;
 mod compare;
 mod demo;
 mod eval;
+mod load;
 mod mine;
 mod nlos;
 mod recorded_set;
@@ -29,6 +30,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Nlos(args) => nlos::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
+        Verb::Load(args) => load::run(args),
         Verb::Serve(args) => serve::run(args),
         Verb::Store(args) => store::store(args),
         Verb::Audit(args) => store::audit(args),

@@ -52,7 +52,7 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
     }
     let principal = who(guard, request).await?;
     match (access, principal) {
-        (Some(Access::NeedsInside(_)), None) if upgrade => Ok(None),
+        (Some(Access::NeedsInside(_)), principal) if upgrade => Ok(principal),
         (_, None) => Err(ApiError::unauthorised()),
         (Some(Access::Needs(permission) | Access::NeedsInside(permission)), Some(principal)) => {
             if principal.may(permission) { Ok(Some(principal)) } else { Err(refused(&principal, permission)) }

@@ -9,6 +9,7 @@ mod extract;
 mod guard;
 mod health;
 mod metrics;
+mod omlox;
 mod openapi;
 mod routes;
 mod serve;
@@ -142,7 +143,7 @@ fn all_routes() -> Routes {
         .open(routes!(health::liveness))
         .needs(Permission::SeeLive, routes!(metrics::metrics))
         .needs(Permission::SeeLive, routes!(openapi::openapi));
-    v1::mount(routes)
+    omlox::mount(v1::mount(routes))
 }
 
 /// All routes behind the one layer.

@@ -4,12 +4,14 @@ use crate::journal::{
     Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position,
     UserCommand, What,
 };
+use crate::pipeline::{Asked, TagHealth};
 use adit_core::frames::MineGrid;
 use adit_core::time::Time;
 use adit_observation::wire::{Batch, Packet, Resolution, WireError};
 use adit_tracking::{Command, Outcome, Refused};
 use prost::bytes::Bytes;
 use serde::{Deserialize, Serialize};
+use std::sync::mpsc::Sender;
 use std::time::Duration;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
@@ -25,6 +27,7 @@ const LONGEST_NAME: usize = 128;
 #[derive(Clone)]
 pub struct Door {
     committer: Committer,
+    asked: Sender<Asked>,
 }
 
 /// What became of something; it is on the disk.
@@ -130,9 +133,23 @@ pub struct JsonBatch {
 }
 
 impl Door {
-    /// In front of this journal.
-    pub fn new(committer: Committer) -> Self {
-        Self { committer }
+    /// In front of this journal and the pipeline behind it.
+    pub fn new(committer: Committer, asked: Sender<Asked>) -> Self {
+        Self { committer, asked }
+    }
+
+    /// How a tag is followed; nothing of a tag that no packet came of.
+    pub async fn following(&self, tag: String) -> Option<TagHealth> {
+        let (answer, told) = oneshot::channel();
+        self.asked.send(Asked::Tag(tag, answer)).ok()?;
+        timeout(PATIENCE, told).await.ok()?.ok()?
+    }
+
+    /// The numbers of packets that came of each tag: first and last of each span.
+    pub async fn packets(&self) -> Option<Vec<(String, Vec<(u64, u64)>)>> {
+        let (answer, told) = oneshot::channel();
+        self.asked.send(Asked::Packets(answer)).ok()?;
+        timeout(PATIENCE, told).await.ok()?.ok()
     }
 
     /// Stores the batch of a gateway.

@@ -5,8 +5,8 @@
 //! session is kept by the broker (`clean_session = false`): what is sent while the server is away waits there. What is no batch is acknowledged, counted
 //! and logged: sent again it would be none either.
 
-use crate::api::{Health, Part};
 use super::door::{Door, DoorError, Source};
+use crate::api::{Health, Part};
 use crate::error::ServerError;
 use rumqttc::{AsyncClient, ConnectionError, Event, EventLoop, MqttOptions, Packet, Publish, QoS, Transport};
 use rustls::pki_types::CertificateDer;

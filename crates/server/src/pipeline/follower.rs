@@ -272,6 +272,11 @@ impl Follower {
         }));
     }
 
+    /// First and last of each span of its own packet numbers that came.
+    pub fn packets(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
+        self.numbers.spans()
+    }
+
     /// How it is followed.
     pub fn health(&self, tag: &str, profile: &Profile) -> TagHealth {
         TagHealth {

@@ -52,6 +52,8 @@ pub struct PipelineSettings {
 pub enum Asked {
     /// How a tag is followed.
     Tag(String, oneshot::Sender<Option<TagHealth>>),
+    /// The numbers of packets that came of each tag: first and last of each span.
+    Packets(oneshot::Sender<Vec<(String, Vec<(u64, u64)>)>>),
     /// The end: what has come is taken, a snapshot is made.
     Stop,
 }
@@ -210,6 +212,9 @@ impl Pipeline {
                     Asked::Tag(tag, answer) => {
                         // Whoever asked may have gone.
                         let _ = answer.send(self.health(&tag));
+                    }
+                    Asked::Packets(answer) => {
+                        let _ = answer.send(self.shards.iter().flat_map(Shard::packets).collect());
                     }
                     Asked::Stop => return self.end(groups, committer, outlet),
                 }

@@ -102,6 +102,11 @@ impl Shard {
         Some(follower.health(tag, self.profiles.named(follower.profile())?))
     }
 
+    /// The numbers of packets that came of each tag.
+    pub fn packets(&self) -> impl Iterator<Item = (String, Vec<(u64, u64)>)> + '_ {
+        self.followers.iter().map(|(tag, follower)| (tag.clone(), follower.packets().collect()))
+    }
+
     /// Takes a tag back as a snapshot has it; one whose profile is gone or has changed begins anew.
     pub fn restore(&mut self, tag: String, mut follower: Follower) {
         let Some(profile) = self.profiles.of(&tag) else { return };

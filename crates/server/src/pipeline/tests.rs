@@ -165,7 +165,8 @@ impl Server {
         let clock = Arc::new(AtomicI64::new(0));
         let hand = Arc::clone(&clock);
         let now = move || Time::from_nanos(hand.load(Ordering::SeqCst));
-        let (committer, groups, journal) = Committer::start(journal, gateways.1, now, Arc::default()).unwrap();
+        let (committer, groups, journal) =
+            Committer::start(journal, gateways.1, now, Arc::default()).unwrap();
         Self { pipeline, committer, groups, journal, clock, stored, told }
     }
 

@@ -6,10 +6,11 @@ use sqlx::{SqlSafeStr as _, SqliteConnection};
 use std::path::Path;
 
 /// Number, name and SQL, each run once, in this order. A step that has been released never changes: add another.
-const STEPS: [(i64, &str, &str); 3] = [
+const STEPS: [(i64, &str, &str); 4] = [
     (101, "store", include_str!("../../migrations/0101_store.sql")),
     (102, "audit", include_str!("../../migrations/0102_audit.sql")),
     (201, "users", include_str!("../../migrations/0201_users.sql")),
+    (202, "omlox", include_str!("../../migrations/0202_omlox.sql")),
 ];
 
 /// `PRAGMA application_id` of a store of adit: "adit" in ASCII, as in `0101_store.sql`.

@@ -1,23 +1,24 @@
-//! A server to ask: the real routes on a free port, a store of its own, and behind the door what a pipeline does, without a journal.
+//! A server to ask: journal, pipeline, store and routes as `adit serve` has them, on a free port and in a folder of its own.
 
 use adit_core::frames::Position;
-use adit_core::solution::Quality;
-use adit_core::time::Time;
-use adit_server::api::{
-    ApiSettings, CommandError, Context, Door, DoorError, EventJson, Health, Knock, Metrics, Part, Receipt,
-    serve,
-};
+use adit_estimation::methods::fused::FusedParams;
+use adit_observation::sidecar::Sidecar;
+use adit_server::api::{ApiSettings, Context, Health, Metrics, Part, serve};
 use adit_server::auth::{Auth, AuthSettings, Grant, Role, WallClock};
 use adit_server::feed::{Feed, FeedSettings};
-use adit_server::store::{EventRecord, Record, Store};
-use adit_tracking::{Event, Fix, Input, Rules, Tracking};
+use adit_server::ingest::PositionReport;
+use adit_server::now;
+use adit_server::pipeline::{Profile, Profiles};
+use adit_server::store::Retention;
+use adit_server::{Parts, Settings};
+use adit_tracking::Rules;
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpListener};
 use std::num::NonZeroU32;
 use std::path::Path;
-use std::sync::{Arc, PoisonError, RwLock};
-use std::time::{SystemTime, UNIX_EPOCH};
-use tokio::sync::{mpsc, oneshot};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::oneshot;
 
 pub type Tested<T = ()> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -27,14 +28,9 @@ pub struct House {
     pub address: SocketAddr,
     pub context: Arc<Context>,
     tokens: BTreeMap<&'static str, String>,
-    knocks: Door,
+    _parts: Parts,
     _stop: oneshot::Sender<()>,
-    folder: tempfile::TempDir,
-}
-
-pub fn now() -> Time {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    Time::from_nanos(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
+    _folder: tempfile::TempDir,
 }
 
 impl House {
@@ -44,7 +40,29 @@ impl House {
 
     pub async fn with(settings: ApiSettings, feed: FeedSettings) -> Tested<Self> {
         let folder = tempfile::tempdir()?;
-        let store = Store::open(&folder.path().join("adit.db")).await?;
+        let mine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../mines/two-level.toml");
+        let mine = Arc::new(adit_mine::file::open(&mine)?.0);
+        let fused = FusedParams::default();
+        let profile = Profile::new("all", vec!["*".into()], Sidecar::default(), fused.into());
+        let server = Settings {
+            site: "test".into(),
+            mine: Arc::clone(&mine),
+            profiles: Arc::new(Profiles::new(vec![profile])?),
+            rules: Rules::default(),
+            data: folder.path().to_path_buf(),
+            shards: 1,
+            snapshot_every: Duration::from_secs(600),
+            retention: Retention::default(),
+            mqtt: None,
+        };
+        let feed = Feed::new(feed);
+        let told = Arc::clone(&feed);
+        let parts = adit_server::start(server, move |outcome, _| {
+            told.tell(outcome.fixes.iter().map(|tracked| &tracked.fix), &outcome.events);
+        });
+        let parts = parts.await?;
+        feed.start(Arc::clone(&parts.tracking));
+        let store = parts.store.clone();
         let clock: WallClock = Arc::new(now);
         let often = NonZeroU32::new(10_000).ok_or("no")?;
         let auth_settings = AuthSettings {
@@ -59,19 +77,14 @@ impl House {
             let token = auth.add_token("boss", grant.name(), grant, None).await?;
             tokens.insert(grant.name(), token.secret.expose().to_owned());
         }
-        let mine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../mines/two-level.toml");
-        let mine = Arc::new(adit_mine::file::open(&mine)?.0);
-        let tracking = Arc::new(RwLock::new(Tracking::new(Arc::clone(&mine), Rules::default())?));
-        let feed = Feed::new(feed, Arc::clone(&tracking));
-        let (door, knocks) = Door::new(1000);
         let health = Arc::new(Health::default());
         health.tell(Part::Store, Ok(()));
         let context = Arc::new(Context {
             mine,
-            tracking: Arc::clone(&tracking),
-            door: door.clone(),
-            feed: Arc::clone(&feed),
-            store: store.clone(),
+            tracking: Arc::clone(&parts.tracking),
+            door: parts.door.clone(),
+            feed,
+            store,
             auth,
             health,
             metrics: Metrics::of_process(),
@@ -79,7 +92,6 @@ impl House {
             shown_settings: serde_json::json!({ "site": "test" }),
             clock,
         });
-        tokio::spawn(answer(knocks, Arc::clone(&tracking), feed, store));
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let address = listener.local_addr()?;
         let (stop, stopped) = oneshot::channel::<()>();
@@ -87,7 +99,7 @@ impl House {
             let _ = stopped.await;
         });
         tokio::spawn(serving);
-        Ok(Self { address, context, tokens, knocks: door, _stop: stop, folder })
+        Ok(Self { address, context, tokens, _parts: parts, _stop: stop, _folder: folder })
     }
 
     pub fn url(&self, path: &str) -> String {
@@ -99,29 +111,30 @@ impl House {
         self.tokens.get(grant).map_or("", String::as_str)
     }
 
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
+    /// A tag is somewhere, as a system from outside says; told when it is on the disk.
+    pub async fn walk(&self, tag: &str, position_m: [f64; 3]) -> Tested {
+        let [x, y, z] = position_m;
+        let position_m = Position::new(x, y, z);
+        let report = PositionReport { tag: tag.into(), time: None, position_m, radius_95_m: Some(2.0) };
+        self.context.door.position(report).await?;
+        Ok(())
     }
 
-    /// A tag is somewhere, as a pipeline would find.
-    pub fn walk(&self, tag: &str, position_m: [f64; 3]) {
-        let [x, y, z] = position_m;
-        let fix = Fix {
-            tag: tag.into(),
-            time: now(),
-            position_m: Position::new(x, y, z),
-            velocity_m_s: None,
-            radius_95_m: 2.0,
-            protection_level_m: 6.0,
-            quality: Quality::Fixed,
-            moving: Some(true),
-            method: "fused".into(),
-        };
-        let mut events = Vec::new();
-        let heard = hear(&self.context.tracking, &Input::Fix(fix.clone()), &mut events);
-        if heard.is_ok() {
-            self.context.feed.tell(&[fix], &events);
+    /// Asks until the answer fits: what is written behind the live state comes a moment later.
+    pub async fn until(
+        &self,
+        path: &str,
+        grant: &str,
+        fits: impl Fn(&serde_json::Value) -> bool,
+    ) -> Tested<Answer> {
+        for _ in 0..200 {
+            let answer = self.ask("GET", path, self.token(grant), None).await?;
+            if fits(&answer.json) {
+                return Ok(answer);
+            }
+            tokio::time::sleep(Duration::from_millis(50)).await;
         }
+        Err(format!("{path}: not within 10 s").into())
     }
 
     pub async fn ask(
@@ -145,10 +158,6 @@ impl House {
         let text = response.text().await?;
         Ok(Answer { status, headers, json: serde_json::from_str(&text).unwrap_or_default(), text })
     }
-
-    pub fn door(&self) -> &Door {
-        &self.knocks
-    }
 }
 
 #[derive(Debug)]
@@ -157,71 +166,4 @@ pub struct Answer {
     pub headers: reqwest::header::HeaderMap,
     pub json: serde_json::Value,
     pub text: String,
-}
-
-fn hear(
-    tracking: &RwLock<Tracking>,
-    input: &Input,
-    events: &mut Vec<Event>,
-) -> Result<adit_tracking::Outcome, adit_tracking::Refused> {
-    tracking.write().unwrap_or_else(PoisonError::into_inner).hear(now(), input, events)
-}
-
-async fn answer(
-    mut knocks: mpsc::Receiver<Knock>,
-    tracking: Arc<RwLock<Tracking>>,
-    feed: Arc<Feed>,
-    store: Store,
-) {
-    let mut position = 0;
-    while let Some(knock) = knocks.recv().await {
-        position += 1;
-        let mut events = Vec::new();
-        let mut fixes = Vec::new();
-        match knock {
-            Knock::Batch { bytes, answer, .. } => {
-                let empty = bytes.is_empty() || bytes.starts_with(b"\xff");
-                let malformed = DoorError::Malformed("not a batch".into());
-                let _ = answer.send(if empty {
-                    Err(malformed)
-                } else {
-                    Ok(Receipt { position, repeated: false })
-                });
-            }
-            Knock::Position { report, answer } => {
-                let radius_95_m = report.radius_95_m.unwrap_or(5.0);
-                let fix = Fix {
-                    tag: report.tag,
-                    time: report.time.unwrap_or_else(now),
-                    position_m: report.position_m,
-                    velocity_m_s: None,
-                    radius_95_m,
-                    protection_level_m: 3.0 * radius_95_m,
-                    quality: Quality::Fixed,
-                    moving: None,
-                    method: "outside".into(),
-                };
-                if hear(&tracking, &Input::Fix(fix.clone()), &mut events).is_ok() {
-                    fixes.push(fix);
-                }
-                let _ = answer.send(Ok(Receipt { position, repeated: false }));
-            }
-            Knock::Command { actor, command, answer } => {
-                let input = Input::Command { by: actor, command: *command };
-                let _ = answer.send(hear(&tracking, &input, &mut events).map_err(CommandError::from));
-            }
-        }
-        let records = events.iter().map(|event| {
-            let json = EventJson::from(event);
-            let time = json.time.map_or_else(now, |time| time.0);
-            let subjects = [&json.person, &json.tag, &json.zone].into_iter().flatten().cloned().collect();
-            let body = serde_json::to_value(&json).unwrap_or_default();
-            Record::Event(EventRecord { time, kind: json.event.into(), subjects, body })
-        });
-        let records: Vec<Record> = records.collect();
-        feed.tell(&fixes, &events);
-        if store.commit(position, records).await.is_err() {
-            return;
-        }
-    }
 }

@@ -17,8 +17,9 @@ async fn a_person_gets_a_tag_and_is_seen_below() -> Tested {
 
     let roadway = &house.context.mine.plan().roadways[0];
     let p = roadway.points_m[0].raw();
-    house.walk("t1", [p.x, p.y, p.z + 1.0]);
-    let seen = house.ask("GET", "/api/v1/people/p1", house.token("viewer"), None).await?;
+    house.walk("t1", [p.x, p.y, p.z + 1.0]).await?;
+    let seen =
+        house.until("/api/v1/people/p1", "viewer", |json| json["live"]["last_known"].is_object()).await?;
     let known = &seen.json["live"]["last_known"];
     assert_eq!(
         (&known["tag"], &known["quality"], &known["radius_95_m"]),
@@ -31,10 +32,15 @@ async fn a_person_gets_a_tag_and_is_seen_below() -> Tested {
     );
 
     assert_eq!(house.ask("DELETE", "/api/v1/tags/t1/assignments", dispatcher, None).await?.status, 200);
-    let history = house.ask("GET", "/api/v1/history/events?about=p1", dispatcher, None).await?;
-    let kinds: Vec<_> =
-        history.json["rows"].as_array().ok_or("no rows")?.iter().map(|row| row["event"].clone()).collect();
-    assert_eq!(kinds, ["tag-returned", "tag-assigned"], "{}", history.text);
+    let path = "/api/v1/history/events?about=p1";
+    let of = |json: &serde_json::Value, name: &str| {
+        json["rows"].as_array().is_some_and(|rows| rows.iter().any(|row| row["event"] == name))
+    };
+    let history = house.until(path, "dispatcher", |json| of(json, "tag-returned")).await?;
+    assert!(of(&history.json, "tag-assigned"), "{}", history.text);
+    let audit = house.ask("GET", "/api/v1/audit?what=assign", house.token("admin"), None).await?;
+    assert_eq!(audit.json[0]["who"], "token:dispatcher", "{}", audit.text);
+    assert_eq!(audit.json[0]["detail"]["person"], "p1");
     Ok(())
 }
 

@@ -60,7 +60,7 @@ async fn a_snapshot_comes_first_then_events_in_order_and_the_last_position_of_ea
 
     let p = *house.context.mine.plan().roadways[0].points_m[0].raw();
     for step in 1..=10 {
-        house.walk("t1", [p.x + 0.1 * f64::from(step), p.y, p.z + 1.0]);
+        house.walk("t1", [p.x + 0.1 * f64::from(step), p.y, p.z + 1.0]).await?;
     }
     let moved = loop {
         let message = next(&mut again).await?;

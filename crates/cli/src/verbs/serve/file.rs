@@ -8,13 +8,13 @@ use crate::radio_site;
 use adit_estimation::methods::MethodSettings;
 use adit_estimation::radio::RadioSite;
 use adit_observation::sidecar::{Location, Sidecar};
-use adit_server::{Serving, Settings};
 use adit_server::api::{ApiSettings, TlsFiles};
 use adit_server::auth::AuthSettings;
 use adit_server::feed::FeedSettings;
 use adit_server::ingest::mqtt::MqttSettings;
 use adit_server::pipeline::{Profile, Profiles, Settings as EstimatorSettings};
 use adit_server::store::Retention;
+use adit_server::{Serving, Settings};
 use adit_tracking::Rules;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -238,9 +238,9 @@ fn profiles(parts: &[ProfilePart], folder: &Path, site: &Arc<RadioSite>) -> Resu
         location: Some(Location::Waist),
     };
     let parts = if parts.is_empty() { std::slice::from_ref(&everybody) } else { parts };
-    let profiles = parts.iter().map(|part| {
-        profile(part, folder, site).with_context(|| format!("profile \"{}\"", part.name))
-    });
+    let profiles = parts
+        .iter()
+        .map(|part| profile(part, folder, site).with_context(|| format!("profile \"{}\"", part.name)));
     Ok(Profiles::new(profiles.collect::<Result<_>>()?)?)
 }
 
@@ -251,7 +251,8 @@ fn profile(part: &ProfilePart, folder: &Path, site: &Arc<RadioSite>) -> Result<P
     };
     sidecar.mounting.location = part.location.or(sidecar.mounting.location);
     let name = <MethodName as clap::ValueEnum>::from_str(&part.method, false);
-    let name = name.map_err(|_| anyhow::anyhow!("method: found \"{}\", expected a name of adit track", part.method))?;
+    let name = name
+        .map_err(|_| anyhow::anyhow!("method: found \"{}\", expected a name of adit track", part.method))?;
     if let Some(objection) = name.objection(&sidecar) {
         bail!("{objection}");
     }
@@ -288,7 +289,10 @@ fn estimator(
         MethodName::UwbRkf => of::<m::uwb_filter::UwbRkfParams>,
         MethodName::UwbAekf => of::<m::uwb_filter::UwbAekfParams>,
         MethodName::ReducedInsWifi | MethodName::FullInsWifi | MethodName::Ahrs => {
-            bail!("method {}: cannot follow a tag live: it needs a start pose, or finds no position", name.name())
+            bail!(
+                "method {}: cannot follow a tag live: it needs a start pose, or finds no position",
+                name.name()
+            )
         }
     };
     settings(sidecar, config, site)

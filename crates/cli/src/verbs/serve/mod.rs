@@ -21,7 +21,11 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     runtime.block_on(async {
         let mut server = Server::start(settings, serving).await?;
         let scheme = if secure { "https" } else { "http" };
-        output::print(&format!("{site}: {scheme}://{} keeps everything in {}\n", server.address, data.display()))?;
+        output::print(&format!(
+            "{site}: {scheme}://{} keeps everything in {}\n",
+            server.address,
+            data.display()
+        ))?;
         if let Some(password) = &server.first_password {
             output::print(&format!("user admin, password {password}: it is not shown again\n"))?;
         }

@@ -69,7 +69,7 @@ pub(super) async fn clear(
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Comment {
-    #[schema(min_length = 1, max_length = 1000)]
+    #[schema(min_length = 1, max_length = 2000)]
     text: String,
 }
 
@@ -111,9 +111,10 @@ pub(super) async fn board(State(context): State<Arc<Context>>) -> axum::Json<Boa
 pub(super) struct StartEvacuation {
     /// Ids of the levels to leave; the whole mine where it is empty.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     levels: BTreeSet<String>,
     #[serde(default)]
-    #[schema(max_length = 1000)]
+    #[schema(max_length = 2000)]
     note: String,
 }
 

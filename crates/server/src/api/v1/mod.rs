@@ -1,6 +1,7 @@
 //! adit's own API: everything that omlox has no word for, and the console's needs.
 
 mod alarms;
+mod following;
 mod history;
 mod live_socket;
 pub(super) mod people;
@@ -64,6 +65,8 @@ fn live(routes: Routes) -> Routes {
         .needs(Permission::SeeLive, routes!(tags::list))
         .needs(Permission::ManagePeople, routes!(tags::add))
         .needs(Permission::SeeLive, routes!(tags::show))
+        .needs(Permission::SeeLive, routes!(following::of_tag))
+        .needs(Permission::SeeLive, routes!(following::packets))
         .needs(Permission::ManagePeople, routes!(tags::change, tags::remove))
         .needs(Permission::ManagePeople, routes!(tags::assign, tags::unassign))
         .needs(Permission::SeeLive, routes!(zones::list))

@@ -31,6 +31,7 @@ pub(in crate::api) struct PersonBody {
     shift_limit_h: Option<f64>,
     /// Ids of the restricted zones that they may enter.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     allowed_zones: BTreeSet<String>,
 }
 
@@ -120,7 +121,7 @@ pub(super) async fn remove(
 #[serde(deny_unknown_fields)]
 pub(in crate::api) struct Remark {
     #[serde(default)]
-    #[schema(max_length = 1000)]
+    #[schema(max_length = 2000)]
     pub note: String,
 }
 

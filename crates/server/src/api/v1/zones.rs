@@ -25,6 +25,7 @@ pub(in crate::api) struct ZoneBody {
     /// Id of the level it lies on.
     level: String,
     /// How many people it may hold.
+    #[schema(value_type = Option<i64>, minimum = 0, maximum = 4_294_967_295_i64)]
     capacity: Option<u32>,
     /// Who was inside is outside only when this far from it, m.
     #[serde(default)]
@@ -39,6 +40,7 @@ pub(in crate::api) struct ZoneBody {
     outline_m: Vec<[f64; 2]>,
     /// Teams whose people may enter it when it is restricted.
     #[serde(default)]
+    #[schema(value_type = Vec<String>)]
     allowed_teams: BTreeSet<String>,
 }
 
