@@ -12,13 +12,20 @@ use adit_server::pipeline::{Profile, Profiles};
 use adit_server::store::Retention;
 use adit_server::{Parts, Settings};
 use adit_tracking::Rules;
+use futures_util::StreamExt as _;
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpListener};
 use std::num::NonZeroU32;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::net::TcpStream;
 use tokio::sync::oneshot;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+pub type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
 
 pub type Tested<T = ()> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -166,4 +173,21 @@ pub struct Answer {
     pub headers: reqwest::header::HeaderMap,
     pub json: serde_json::Value,
     pub text: String,
+}
+
+pub async fn watch(house: &House, path: &str, token: &str) -> Tested<Socket> {
+    let mut request = format!("ws://{}{path}", house.address).into_client_request()?;
+    request.headers_mut().insert("authorization", format!("Bearer {token}").parse()?);
+    Ok(connect_async(request).await?.0)
+}
+
+pub async fn next(socket: &mut Socket) -> Tested<serde_json::Value> {
+    loop {
+        let message = tokio::time::timeout(std::time::Duration::from_secs(20), socket.next()).await?;
+        match message.ok_or("the socket ended")?? {
+            Message::Text(text) => return Ok(serde_json::from_str(&text)?),
+            Message::Close(frame) => return Err(format!("closed: {frame:?}").into()),
+            _ => {}
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The API as a client meets it: the real routes on a real socket.
 
 mod account;
-mod crowd;
+mod feed;
 mod house;
 mod omlox;
 mod people;

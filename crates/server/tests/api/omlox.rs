@@ -1,7 +1,6 @@
 //! The omlox interface as a client meets it.
 
-use crate::house::{House, Tested};
-use crate::watching::{next, watch};
+use crate::house::{House, Socket, Tested, next, watch};
 use futures_util::SinkExt as _;
 use serde_json::{Value, json};
 use tokio_tungstenite::connect_async;
@@ -12,7 +11,7 @@ fn here(house: &House) -> [f64; 3] {
     [p.x, p.y, p.z + 1.0]
 }
 
-async fn say(socket: &mut crate::watching::Socket, message: Value) -> Tested<Value> {
+async fn say(socket: &mut Socket, message: Value) -> Tested<Value> {
     socket.send(Message::text(message.to_string())).await?;
     next(socket).await
 }

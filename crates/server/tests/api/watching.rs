@@ -1,31 +1,7 @@
 //! The live WebSocket.
 
-use crate::house::{House, Tested};
-use futures_util::StreamExt as _;
-use serde_json::{Value, json};
-use tokio::net::TcpStream;
-use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
-use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
-
-pub type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
-
-pub async fn watch(house: &House, path: &str, token: &str) -> Tested<Socket> {
-    let mut request = format!("ws://{}{path}", house.address).into_client_request()?;
-    request.headers_mut().insert("authorization", format!("Bearer {token}").parse()?);
-    Ok(connect_async(request).await?.0)
-}
-
-pub async fn next(socket: &mut Socket) -> Tested<Value> {
-    loop {
-        let message = tokio::time::timeout(std::time::Duration::from_secs(20), socket.next()).await?;
-        match message.ok_or("the socket ended")?? {
-            Message::Text(text) => return Ok(serde_json::from_str(&text)?),
-            Message::Close(frame) => return Err(format!("closed: {frame:?}").into()),
-            _ => {}
-        }
-    }
-}
+use crate::house::{House, Tested, next, watch};
+use serde_json::json;
 
 #[tokio::test]
 async fn a_snapshot_comes_first_then_events_in_order_and_the_last_position_of_each_tag() -> Tested {

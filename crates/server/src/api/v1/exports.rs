@@ -59,7 +59,7 @@ impl Wanted {
 
 /// Fixes as a file.
 #[utoipa::path(get, path = "/api/v1/export/tracks", tag = "export", params(Wanted),
-    responses((status = 200, description = "the file", content((Vec<u8> = "text/csv"), (Vec<u8> = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
+    responses((status = 200, description = "the file", content((String = "text/csv"), (serde_json::Value = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
 pub(super) async fn tracks(
     State(context): State<Arc<Context>>,
     caller: Caller,
@@ -77,7 +77,7 @@ pub(super) async fn tracks(
 
 /// Events as a file.
 #[utoipa::path(get, path = "/api/v1/export/events", tag = "export", params(Wanted),
-    responses((status = 200, description = "the file", content((Vec<u8> = "text/csv"), (Vec<u8> = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
+    responses((status = 200, description = "the file", content((String = "text/csv"), (serde_json::Value = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
 pub(super) async fn events(
     State(context): State<Arc<Context>>,
     caller: Caller,
@@ -90,7 +90,7 @@ pub(super) async fn events(
 
 /// Alarms as a file.
 #[utoipa::path(get, path = "/api/v1/export/alarms", tag = "export", params(Wanted),
-    responses((status = 200, description = "the file", content((Vec<u8> = "text/csv"), (Vec<u8> = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
+    responses((status = 200, description = "the file", content((String = "text/csv"), (serde_json::Value = "application/geo+json"), (Vec<u8> = "application/vnd.apache.parquet")))))]
 pub(super) async fn alarms(
     State(context): State<Arc<Context>>,
     caller: Caller,
