@@ -105,6 +105,11 @@ libtest train cargo test --locked -p adit-nlos --features train --tests --no-fai
 libtest doc-tests cargo test --locked --workspace --doc --no-fail-fast
 check docs env RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --quiet
 check no-std proofs/no-std/check.sh "estimation mine"
+if command -v python3 >/dev/null; then
+    check schemathesis ci/schemathesis.sh
+else
+    echo "SKIPPED (no Python): schemathesis"
+fi
 
 printf '\n'
 cat "$logs/parts"

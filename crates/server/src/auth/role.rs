@@ -107,7 +107,7 @@ pub enum Permission {
     SeeLive,
     /// What was: tracks, events, attendance.
     SeeHistory,
-    /// People, tags, who wears which, shifts.
+    /// People, tags, who wears which.
     ManagePeople,
     /// Acknowledge, comment and clear alarms.
     HandleAlarms,
@@ -170,17 +170,19 @@ impl Permission {
             Self::ManagePeople => (
                 Role::Dispatcher,
                 "manage-people",
-                "add and change people and tags, give out tags, plan shifts",
+                "add, change and remove people and tags, give tags out and take them back, mark people out",
             ),
             Self::HandleAlarms => {
                 (Role::Dispatcher, "handle-alarms", "acknowledge, comment and clear alarms")
             }
             Self::Evacuate => (Role::Dispatcher, "evacuate", "start an evacuation"),
             Self::EndEvacuation => (Role::SafetyOfficer, "end-evacuation", "end an evacuation"),
-            Self::ManageZones => {
-                (Role::SafetyOfficer, "manage-zones", "add and change zones and their limits")
-            }
-            Self::Export => (Role::SafetyOfficer, "export", "export tracks, events and attendance"),
+            Self::ManageZones => (
+                Role::SafetyOfficer,
+                "manage-zones",
+                "add, change and remove zones, forget gateways and anchors",
+            ),
+            Self::Export => (Role::SafetyOfficer, "export", "export tracks, events and alarms"),
             Self::SeeAudit => (Role::SafetyOfficer, "see-audit", "read the audit log"),
             Self::ManageOmlox => {
                 (Role::SafetyOfficer, "manage-omlox", "add, change and delete objects of /v2")

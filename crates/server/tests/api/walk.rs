@@ -110,3 +110,19 @@ async fn what_is_no_route_tells_strangers_nothing_and_others_in_json() -> Tested
     assert_eq!(house.ask("PATCH", "/api/v1/live", "", None).await?.status, 401);
     Ok(())
 }
+
+#[test]
+fn the_book_tells_the_table_of_who_may_do_what() -> Tested {
+    use std::fmt::Write as _;
+    let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/live/api.md");
+    let page = std::fs::read_to_string(page)?;
+    let (_, rest) = page.split_once("<!-- roles:begin -->\n").ok_or("no table")?;
+    let (told, _) = rest.split_once("<!-- roles:end -->").ok_or("no end of the table")?;
+    let mut table = "| permission | least role | to |\n|---|---|---|\n".to_owned();
+    for permission in Permission::ALL {
+        let (name, role) = (permission.name(), permission.least_role().name());
+        writeln!(table, "| `{name}` | {role} | {} |", permission.description())?;
+    }
+    assert_eq!(told, table, "docs/live/api.md: put this table there");
+    Ok(())
+}
