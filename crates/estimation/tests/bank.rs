@@ -221,13 +221,16 @@ fn led(
         for _ in 0..steps as usize {
             bank.walk(&Stretch {
                 way_m: level.push(up_m),
-                interval_s: 0.5,
+                drifting: 0.5,
+                turned_rad: 0.0,
                 along_m2: 1e-4,
                 across_m2: 1e-4,
                 up_m2: 1e-4,
                 about_m2: 0.0,
                 heading: HeadingError::Gyro { walk_rad2: 1e-6 },
                 turn_rad2: 0.0,
+                drift2: 0.0,
+                iron_rad2: 0.0,
                 factor2: 0.0,
                 barometer_m2: 0.0,
             });

@@ -96,12 +96,14 @@ pub(super) struct Walked {
     /// The carrier's place in its own frame, m.
     pub way_m: Vector3<f64>,
     heading_rad2: f64,
+    /// The carrier's heading when it stood last, rad.
+    pub heading_rad: f64,
 }
 
 impl Walked {
-    /// At a solution of the carrier.
-    pub fn of(now: &Solution) -> Self {
-        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)] }
+    /// At a solution of the carrier, which stood last with this heading (rad).
+    pub fn of(now: &Solution, heading_rad: f64) -> Self {
+        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)], heading_rad }
     }
 }
 
@@ -250,7 +252,7 @@ impl Follower {
     /// The carrier has come to a place in its own frame; gives where that is on the map.
     pub fn reckon(
         &mut self,
-        carrier: &Carrier,
+        carrier: &mut Carrier,
         now: Solution,
         report: &mut FusedReport,
     ) -> Result<Option<Solution>, MethodError> {
@@ -265,6 +267,9 @@ impl Follower {
             self.walk(carrier);
             self.estimate = None;
         }
+        if let Some(seen) = carrier.seen() {
+            self.hold_compass(carrier, &seen, report);
+        }
         while let Some(aiding) = self.waiting.pop(time) {
             self.hold(carrier, &aiding, report);
             self.estimate = None;
@@ -273,9 +278,9 @@ impl Follower {
     }
 
     /// The bank moves along the carrier's way to its last solution.
-    fn walk(&mut self, carrier: &Carrier) {
+    pub(super) fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let to = Walked::of(now);
+        let to = Walked::of(now, carrier.heading_rad());
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;
@@ -302,13 +307,16 @@ impl Follower {
         let moved = GAP_SPEED_M_S * gap_s;
         Stretch {
             way_m,
-            interval_s,
+            drifting: length_m,
+            turned_rad: attitude::angle_difference(to.heading_rad, from.heading_rad),
             along_m2: walk(noise.along_m_sqrt_m),
             across_m2: walk(noise.across_m_sqrt_m),
             up_m2: walk(noise.up_m_sqrt_m),
             about_m2: rest(noise.standing_m_sqrt_s) + moved * moved,
             heading,
             turn_rad2: walk(noise.turn_walk_rad_sqrt_m),
+            drift2: walk(noise.drift_walk_rad_m_sqrt_m),
+            iron_rad2: walk(noise.iron_walk_rad_sqrt_m),
             factor2: walk(noise.factor_walk_sqrt_m),
             barometer_m2: rest(self.params.weather_m_sqrt_s),
         }

@@ -21,6 +21,7 @@ mod carrier;
 mod ears;
 mod evidence;
 mod follower;
+mod foot;
 mod holding;
 mod method;
 mod params;
