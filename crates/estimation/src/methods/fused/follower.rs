@@ -280,7 +280,11 @@ impl Follower {
     /// The bank moves along the carrier's way to its last solution.
     pub(super) fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let to = Walked::of(now, carrier.heading_rad());
+        let mut to = Walked::of(now, carrier.heading_rad());
+        if let Some(from) = self.walked.filter(|_| !carrier.is_held_magnetic()) {
+            // What a stance takes of it comes back with the next stride.
+            to.heading_rad2 = to.heading_rad2.max(from.heading_rad2);
+        }
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;
