@@ -165,6 +165,14 @@ impl FootIns {
         (self.still, self.filter.as_ref().map_or(0.0, FootFilter::interval_s))
     }
 
+    /// What led here is no longer corrected, but by whom the way from here on is handed to: else the velocity of a foot that stands moves the place
+    /// by what it seems to tell of the heading, over the whole way since the start.
+    pub(crate) fn set_origin(&mut self) {
+        if let Some(filter) = &mut self.filter {
+            filter.set_origin();
+        }
+    }
+
     /// Memory of this walker's state, bytes.
     pub fn state_bytes(&self) -> usize {
         size_of::<Self>() + self.input.heap_bytes()

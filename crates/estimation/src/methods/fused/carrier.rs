@@ -93,6 +93,14 @@ impl Carrier {
         }
     }
 
+    /// Somebody else holds place and heading.
+    #[inline]
+    pub fn hand_over(&mut self) {
+        if let Self::Foot(foot) = self {
+            foot.hand_over();
+        }
+    }
+
     /// A heading that its compass has just told beside, once.
     #[inline]
     pub fn seen(&mut self) -> Option<Seen> {

@@ -267,6 +267,9 @@ impl Follower {
             self.walk(carrier);
             self.estimate = None;
         }
+        if self.is_placed() {
+            carrier.hand_over();
+        }
         if let Some(seen) = carrier.seen() {
             self.hold_compass(carrier, &seen, report);
         }
@@ -280,11 +283,7 @@ impl Follower {
     /// The bank moves along the carrier's way to its last solution.
     pub(super) fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let mut to = Walked::of(now, carrier.heading_rad());
-        if let Some(from) = self.walked.filter(|_| !carrier.is_held_magnetic()) {
-            // What a stance takes of it comes back with the next stride.
-            to.heading_rad2 = to.heading_rad2.max(from.heading_rad2);
-        }
+        let to = Walked::of(now, carrier.heading_rad());
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;

@@ -17,6 +17,8 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use serde::{Deserialize, Serialize};
 
+/// Of a foot that goes on standing the place counts anew after this, s.
+const STANDING_S: f64 = 1.0;
 /// What a compass errs from place to place before anything is learnt of it, standard deviation, rad: 1.5°.
 const PLACES_RAD: f64 = 0.026;
 /// And at least.
@@ -35,6 +37,9 @@ pub struct Foot {
     pub ins: Box<FootIns>,
     /// Its heading when it stood last, rad.
     pub heading_rad: f64,
+    /// Whether it stood at the last sample, and for how long without a new origin, s.
+    stood: bool,
+    standing_s: f64,
     compass: Option<Box<StanceCompass>>,
 }
 
@@ -77,7 +82,13 @@ impl Foot {
                 seen: None,
             })
         });
-        Ok(Self { ins: Box::new(FootIns::new(params.foot.clone())?), heading_rad: 0.0, compass })
+        Ok(Self {
+            ins: Box::new(FootIns::new(params.foot.clone())?),
+            heading_rad: 0.0,
+            stood: false,
+            standing_s: 0.0,
+            compass,
+        })
     }
 
     /// One observation in, at most one solution out.
@@ -105,6 +116,19 @@ impl Foot {
         let solution = self.ins.finish_next()?;
         self.stand(solution.as_ref());
         Ok(solution)
+    }
+
+    /// Somebody else holds place and heading: from each stance on they count anew.
+    #[inline]
+    pub fn hand_over(&mut self) {
+        let (still, interval_s) = self.ins.last_sample();
+        let lifted = self.stood && !still;
+        self.stood = still;
+        self.standing_s = if still { self.standing_s + interval_s } else { 0.0 };
+        if lifted || self.standing_s > STANDING_S {
+            self.standing_s = 0.0;
+            self.ins.set_origin();
+        }
     }
 
     /// The heading that the compass has just told, once.
