@@ -102,8 +102,8 @@ impl Default for PlaceParams {
 impl CarrierNoise {
     /// Of a strapdown on the foot, held by zero velocity.
     pub const FOOT: Self = Self {
-        along_m_sqrt_m: 0.13,
-        across_m_sqrt_m: 0.17,
+        along_m_sqrt_m: 0.04,
+        across_m_sqrt_m: 0.04,
         up_m_sqrt_m: 0.02,
         standing_m_sqrt_s: 0.001,
         turn_sigma_rad: 0.05,

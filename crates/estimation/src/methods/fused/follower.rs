@@ -45,6 +45,8 @@ const FOOT_M: f64 = 0.1;
 const LEAST_HEIGHT_M: f64 = 0.01;
 /// A solution of a carrier after longer than this is a gap, s.
 const GAP_S: f64 = 3.5;
+/// Longest time between two moves of the place that is no hole in the log, s.
+const HOLE_S: f64 = 0.3;
 /// Speed over a gap, standard deviation, m/s.
 const GAP_SPEED_M_S: f64 = 1.0;
 
@@ -303,8 +305,9 @@ impl Follower {
             let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
             HeadingError::Magnetic { variance_rad2: to.heading_rad2.max(least_rad2), kept }
         } else {
-            let grown = (to.heading_rad2 - from.heading_rad2).max(0.0);
-            HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
+            // What a stride adds is in the noise by the way; what a hole in the log adds is not.
+            let hole = if interval_s > HOLE_S { to.heading_rad2 - from.heading_rad2 } else { 0.0 };
+            HeadingError::Gyro { walk_rad2: hole.max(0.0) + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
         let moved = GAP_SPEED_M_S * gap_s;

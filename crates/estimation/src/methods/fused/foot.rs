@@ -52,6 +52,9 @@ struct StanceCompass {
     began_good: bool,
     /// What it errs from place to place, rad².
     places_rad2: f64,
+    /// Norm (µT) and dip (rad) as they are with the iron that goes with the tag, over the headings that were used.
+    usual: Option<(f64, f64)>,
+    used: u32,
     #[serde(skip)]
     seen: Option<Seen>,
 }
@@ -79,6 +82,8 @@ impl Foot {
                 params,
                 began_good: false,
                 places_rad2: PLACES_RAD * PLACES_RAD,
+                usual: None,
+                used: 0,
                 seen: None,
             })
         });
@@ -164,7 +169,7 @@ impl Foot {
 
 impl StanceCompass {
     fn stand(&mut self, now: &Solution, still: bool, interval_s: f64, heading_rad: f64) {
-        let Self { params, compass, began_good, places_rad2, seen } = self;
+        let Self { params, compass, began_good, places_rad2, usual, seen, .. } = self;
         let level = |field_ut: &Vector3<f64>| now.attitude * field_ut;
         compass.gather(now.time, interval_s, still, level, params.heading.settle_s);
         if !still {
@@ -181,8 +186,13 @@ impl StanceCompass {
         if !good {
             compass.note(&sighting, Outcome::Disturbed, &now.position_m);
         }
-        let steel_rad = compass.steel_ut(&sighting.field, IRON_UT) / sighting.field.horizontal_ut;
-        let sigma_rad = libm::sqrt(*places_rad2 + steel_rad * steel_rad);
+        let field = &sighting.field;
+        let (norm_ut, dip_rad) = *usual.get_or_insert((field.norm_ut, field.dip_rad));
+        let (longer_ut, steeper_ut) = (field.norm_ut - norm_ut, norm_ut * (field.dip_rad - dip_rad));
+        // What steel adds across the meridian is as large as what shows of it; iron that goes with the tag shows too.
+        let steel_ut2 =
+            0.5 * (longer_ut * longer_ut + steeper_ut * steeper_ut - 4.0 * IRON_UT * IRON_UT).max(0.0);
+        let sigma_rad = libm::sqrt(*places_rad2 + steel_ut2 / (field.horizontal_ut * field.horizontal_ut));
         let new = compass.is_new(&now.position_m, params);
         let direction_rad = heading_rad + sighting.heading_offset_rad - params.declination_rad;
         let sigma_rad = (good && new).then_some(sigma_rad);
@@ -197,6 +207,13 @@ impl StanceCompass {
         let own = self.places_rad2 / whole_rad2;
         let steel_rad2 = told_rad2 - self.places_rad2;
         let found_rad2 = off_rad2.min(MOST_OFF * whole_rad2) - expected_rad2 - steel_rad2;
+        if let (Some((norm_ut, dip_rad)), Outcome::Used) = (&mut self.usual, outcome) {
+            let field = &seen.sighting.field;
+            self.used = self.used.saturating_add(1);
+            let share = 1.0 / f64::from(self.used).min(HEADINGS);
+            *norm_ut += (field.norm_ut - *norm_ut) * share;
+            *dip_rad += (field.dip_rad - *dip_rad) * share;
+        }
         let learnt_rad2 = self.places_rad2 + (found_rad2 - self.places_rad2) * own * own / HEADINGS;
         self.places_rad2 = learnt_rad2.max(LEAST_RAD * LEAST_RAD);
     }

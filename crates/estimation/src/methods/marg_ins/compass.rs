@@ -227,11 +227,6 @@ impl Compass {
         offset
     }
 
-    /// What steel may add across the meridian to this field without showing, µT, where a sensor errs by `sensor_sigma_ut`.
-    pub fn steel_ut(&self, field: &LevelField, sensor_sigma_ut: f64) -> f64 {
-        self.gate.across_ut(field, sensor_sigma_ut)
-    }
-
     /// Standard deviation of a heading from a field: noise, the unseen part of a disturbance, and tilt.
     pub fn sigma_rad(&self, field: &LevelField, tilt_sigma_rad: f64, params: &MargInsParams) -> f64 {
         let field_sigma_ut = match params.magnetic_gate {

@@ -3,7 +3,7 @@
 use super::{Bank, Hypothesis, Place};
 use crate::place::roadways::Roadways;
 use crate::place::state::{EAST, State};
-use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_core::nalgebra::{Matrix2, Matrix3, Vector3};
 use adit_core::solution::radius_95_m;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ pub(super) const OFF_SHARE: f64 = -3.0;
 const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
 const LINE_95: f64 = 3.841_458_820_694_124;
+
+/// A place this far in the rock is brought back into the air, however sure it is, m.
+const OUT_M: f64 = 0.25;
 
 /// What a bank says of where somebody is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -45,28 +48,23 @@ pub struct Reported {
 
 impl Bank {
     /// Where somebody is. The place of one hypothesis is reported, with the second moment of all about it, so that its radius holds the others too; another is reported
-    /// when it weighs more **and** the radius that was stated last reaches it. Until then the radius grows and the place stays with the old one: no jump is larger than the
-    /// radius stated before it.
+    /// when it weighs more **and** the radius that was stated last reaches it. Until then the radius grows and the place walks on with the old one. The same holds of one hypothesis
+    /// that is corrected: no jump is larger than the radius stated before it.
     pub fn estimate(&mut self) -> Option<Estimate> {
         let roadways = self.roadways.as_deref();
         let best = self.hypotheses.get(self.most_likely()?)?;
-        let of_best = best.in_air(roadways);
+        let of_best = best.told(roadways);
         let last = self.reported;
         let kept = last.and_then(|last| self.hypotheses.iter().find(|known| known.id == last.id));
-        let (shown, position_m) = match (last, kept) {
-            (None, _) => (best, of_best),
-            (Some(last), Some(kept)) => {
-                let of_kept = kept.in_air(roadways);
-                if (of_best - of_kept).xy().norm() <= last.radius_m {
-                    (best, of_best)
-                } else {
-                    (kept, of_kept)
-                }
-            }
-            (Some(last), None) => {
-                let reached = (of_best - last.position_m).xy().norm() <= last.radius_m;
-                (best, if reached { of_best } else { last.position_m })
-            }
+        let reaches = |place_m: &Vector3<f64>| {
+            last.is_none_or(|last| (place_m - last.position_m).xy().norm() <= last.radius_m)
+        };
+        let of_kept = kept.map(|kept| (kept, kept.told(roadways))).filter(|(_, place_m)| reaches(place_m));
+        let (shown, position_m) = match (last, of_kept) {
+            _ if reaches(&of_best) => (best, of_best),
+            (_, Some(of_kept)) => of_kept,
+            (Some(last), None) => (kept.unwrap_or(best), last.position_m),
+            (None, None) => (best, of_best),
         };
         let mut covariance_m2 = Matrix3::zeros();
         for hypothesis in &self.hypotheses {
@@ -74,7 +72,6 @@ impl Bank {
             let about = hypothesis.state.position_covariance_m2() + off * off.transpose();
             covariance_m2 += about * hypothesis.weight();
         }
-        let level = |matrix: &Matrix3<f64>| matrix.fixed_view::<2, 2>(EAST, EAST).into_owned();
         let jump: Vector3<f64> = of_best - position_m;
         let mut radius_m = radius_95_m(&level(&covariance_m2));
         if jump.xy().norm() > radius_m {
@@ -198,7 +195,18 @@ impl Bank {
     }
 }
 
+fn level(matrix: &Matrix3<f64>) -> Matrix2<f64> {
+    matrix.fixed_view::<2, 2>(EAST, EAST).into_owned()
+}
+
 impl Hypothesis {
+    /// What is told of it: the nearest place in the air of its roadway. Where it has left that farther than it is uncertain it is about to be found on another, and is told as it is.
+    fn told(&self, roadways: Option<&Roadways>) -> Vector3<f64> {
+        let (here, air) = (self.state.position_m, self.in_air(roadways));
+        let reach_m = radius_95_m(&level(&self.state.position_covariance_m2())).max(OUT_M);
+        if (air - here).xy().norm() > reach_m { here } else { air }
+    }
+
     /// Takes another in, so that mean and covariance stay those of the two (Salmond 1990; Runnalls 2007, eq. 2–4).
     fn join(&mut self, other: &Self) {
         let (a, b) = (self.weight(), other.weight());
