@@ -185,7 +185,9 @@ impl Follower {
                     self.waiting.push(Aiding::Signal { time, transmitter, rssi_dbm }, report);
                 }
             }
-            Observation::Fix(fix) if fix.fault().is_none() => self.waiting.push(Aiding::Fix(*fix), report),
+            Observation::Fix(fix) if fix.fault().is_none() => {
+                self.waiting.push(Aiding::Fix(Box::new(*fix)), report)
+            }
             Observation::Pressure(pressure) => {
                 let first_pa = *self.pressure_pa.get_or_insert(pressure.pressure_pa);
                 let soon = |before: Time| (pressure.time - before).seconds() < HEIGHTS_S;
@@ -217,7 +219,7 @@ impl Follower {
             && !alone
         {
             while let Some(fix) = radio.due(observation.time()) {
-                self.waiting.push(Aiding::Radio(fix), report);
+                self.waiting.push(Aiding::Radio(Box::new(fix)), report);
             }
         }
     }
@@ -228,7 +230,7 @@ impl Follower {
             self.waiting.push(Aiding::Ranges(epoch), report);
         }
         while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
-            self.waiting.push(Aiding::Radio(fix), report);
+            self.waiting.push(Aiding::Radio(Box::new(fix)), report);
         }
         report.ranges = self.ranges.as_ref().map(|ranges| ranges.heard().clone());
         report.signals = self.radio.as_ref().map(|radio| radio.report().clone());

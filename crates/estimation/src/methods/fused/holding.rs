@@ -47,7 +47,7 @@ impl Follower {
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
                 let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);
-                self.hold_fix(carrier, &weighed.unwrap_or(*fix), &back, report);
+                self.hold_fix(carrier, &weighed.unwrap_or(**fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
             Aiding::Height { time, height_m } => self.hold_height(*time, *height_m, &back),

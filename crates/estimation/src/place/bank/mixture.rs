@@ -1,5 +1,6 @@
 //! The mixture that the hypotheses are: weights, merging, what is reported of it.
 
+use super::hypothesis::nearest_air;
 use super::{Bank, Hypothesis, Place};
 use crate::place::roadways::Roadways;
 use crate::place::state::{EAST, State};
@@ -7,8 +8,6 @@ use adit_core::nalgebra::{Matrix2, Matrix3, Vector3};
 use adit_core::solution::radius_95_m;
 use serde::{Deserialize, Serialize};
 
-/// Hypotheses for which room is kept beside those that there are.
-const SPARE: usize = 2;
 /// Logarithm of the weight below which a hypothesis is dropped.
 const DROPPED: f64 = -12.0;
 /// What somebody off the map weighs at first where the map fits badly, as a logarithm.
@@ -18,7 +17,7 @@ const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
 const LINE_95: f64 = 3.841_458_820_694_124;
 
-/// A place this far in the rock is brought back into the air, however sure it is, m.
+/// A place no farther than this beside its roadway is still on that, however sure it is, m.
 const OUT_M: f64 = 0.25;
 
 /// What a bank says of where somebody is.
@@ -53,18 +52,21 @@ impl Bank {
     pub fn estimate(&mut self) -> Option<Estimate> {
         let roadways = self.roadways.as_deref();
         let best = self.hypotheses.get(self.most_likely()?)?;
-        let of_best = best.told(roadways);
+        let (of_best, on_best) = best.told(roadways);
         let last = self.reported;
         let kept = last.and_then(|last| self.hypotheses.iter().find(|known| known.id == last.id));
         let reaches = |place_m: &Vector3<f64>| {
             last.is_none_or(|last| (place_m - last.position_m).xy().norm() <= last.radius_m)
         };
-        let of_kept = kept.map(|kept| (kept, kept.told(roadways))).filter(|(_, place_m)| reaches(place_m));
-        let (shown, position_m) = match (last, of_kept) {
-            _ if reaches(&of_best) => (best, of_best),
-            (_, Some(of_kept)) => of_kept,
-            (Some(last), None) => (kept.unwrap_or(best), last.position_m),
-            (None, None) => (best, of_best),
+        let of_kept = kept.map(|kept| (kept, kept.told(roadways)));
+        let (shown, (position_m, place)) = match (last, of_kept) {
+            _ if reaches(&of_best) => (best, (of_best, on_best)),
+            (_, Some(of_kept)) if reaches(&of_kept.1.0) => of_kept,
+            (Some(last), _) => {
+                let shown = kept.unwrap_or(best);
+                (shown, nearest_air(shown.place, last.position_m, roadways))
+            }
+            (None, _) => (best, (of_best, on_best)),
         };
         let mut covariance_m2 = Matrix3::zeros();
         for hypothesis in &self.hypotheses {
@@ -82,7 +84,7 @@ impl Bank {
         let estimate = Estimate {
             position_m,
             covariance_m2,
-            place: shown.place,
+            place,
             hypotheses: self.hypotheses.len(),
             share: shown.weight(),
             lost: self.lost,
@@ -155,7 +157,7 @@ impl Bank {
         let highest = self.hypotheses[best].log_weight;
         let reported = self.reported.map(|reported| reported.id);
         self.hypotheses.retain(|known| known.log_weight - highest > DROPPED || Some(known.id) == reported);
-        self.hypotheses.shrink_to(self.hypotheses.len() + SPARE);
+        self.hypotheses.shrink_to_fit();
         let sum: f64 = self.hypotheses.iter().map(|known| libm::exp(known.log_weight - highest)).sum();
         let norm = highest + libm::log(sum);
         for hypothesis in &mut self.hypotheses {
@@ -200,11 +202,12 @@ fn level(matrix: &Matrix3<f64>) -> Matrix2<f64> {
 }
 
 impl Hypothesis {
-    /// What is told of it: the nearest place in the air of its roadway. Where it has left that farther than it is uncertain it is about to be found on another, and is told as it is.
-    fn told(&self, roadways: Option<&Roadways>) -> Vector3<f64> {
+    /// What is told of it: the nearest place in the air of its roadway; of another, where it has left its own farther than it is uncertain and is about to be found there.
+    fn told(&self, roadways: Option<&Roadways>) -> (Vector3<f64>, Place) {
         let (here, air) = (self.state.position_m, self.in_air(roadways));
         let reach_m = radius_95_m(&level(&self.state.position_covariance_m2())).max(OUT_M);
-        if (air - here).xy().norm() > reach_m { here } else { air }
+        let left = (air - here).xy().norm() > reach_m;
+        if left { nearest_air(self.place, here, roadways) } else { (air, self.place) }
     }
 
     /// Takes another in, so that mean and covariance stay those of the two (Salmond 1990; Runnalls 2007, eq. 2–4).
