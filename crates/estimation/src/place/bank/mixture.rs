@@ -20,6 +20,9 @@ const LINE_95: f64 = 3.841_458_820_694_124;
 /// A place no farther than this beside its roadway is still on that, however sure it is, m.
 const OUT_M: f64 = 0.25;
 
+/// The longest step of what is told, in radii that were told before: a carrier's own step comes to it.
+const MOST_STEP: f64 = 0.9;
+
 /// What a bank says of where somebody is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
@@ -56,15 +59,25 @@ impl Bank {
         let last = self.reported;
         let kept = last.and_then(|last| self.hypotheses.iter().find(|known| known.id == last.id));
         let reaches = |place_m: &Vector3<f64>| {
-            last.is_none_or(|last| (place_m - last.position_m).xy().norm() <= last.radius_m)
+            let step_m = |last: Reported| (place_m - last.position_m).xy().norm();
+            last.is_none_or(|last| step_m(last) <= MOST_STEP * last.radius_m)
         };
         let of_kept = kept.map(|kept| (kept, kept.told(roadways)));
         let (shown, (position_m, place)) = match (last, of_kept) {
             _ if reaches(&of_best) => (best, (of_best, on_best)),
             (_, Some(of_kept)) if reaches(&of_kept.1.0) => of_kept,
+            // Corners are rounder than the map has them.
+            _ if reaches(&best.state.position_m) => (best, (best.state.position_m, on_best)),
+            (_, Some((kept, (_, place)))) if reaches(&kept.state.position_m) => {
+                (kept, (kept.state.position_m, place))
+            }
             (Some(last), _) => {
+                // As far toward it as was said.
                 let shown = kept.unwrap_or(best);
-                (shown, nearest_air(shown.place, last.position_m, roadways))
+                let (air_m, place) = nearest_air(shown.place, last.position_m, roadways);
+                let step_m = air_m - last.position_m;
+                let most_m = MOST_STEP * last.radius_m / step_m.xy().norm().max(f64::MIN_POSITIVE);
+                (shown, (last.position_m + step_m * most_m.min(1.0), place))
             }
             (None, _) => (best, (of_best, on_best)),
         };
@@ -74,7 +87,9 @@ impl Bank {
             let about = hypothesis.state.position_covariance_m2() + off * off.transpose();
             covariance_m2 += about * hypothesis.weight();
         }
-        let jump: Vector3<f64> = of_best - position_m;
+        // As it is it is where it goes: only who is told elsewhere has a step before him.
+        let as_it_is = position_m == best.state.position_m;
+        let jump: Vector3<f64> = if as_it_is { Vector3::zeros() } else { of_best - position_m };
         let mut radius_m = radius_95_m(&level(&covariance_m2));
         if jump.xy().norm() > radius_m {
             // Whatever the weights: where it will go next is inside.
