@@ -186,7 +186,7 @@ impl Follower {
                 }
             }
             Observation::Fix(fix) if fix.fault().is_none() => {
-                self.waiting.push(Aiding::Fix(Box::new(*fix)), report)
+                self.waiting.push(Aiding::Fix(Box::new(*fix)), report);
             }
             Observation::Pressure(pressure) => {
                 let first_pa = *self.pressure_pa.get_or_insert(pressure.pressure_pa);

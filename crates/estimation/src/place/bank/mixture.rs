@@ -67,9 +67,9 @@ impl Bank {
             _ if reaches(&of_best) => (best, (of_best, on_best)),
             (_, Some(of_kept)) if reaches(&of_kept.1.0) => of_kept,
             // Corners are rounder than the map has them.
-            _ if reaches(&best.state.position_m) => (best, (best.state.position_m, on_best)),
-            (_, Some((kept, (_, place)))) if reaches(&kept.state.position_m) => {
-                (kept, (kept.state.position_m, place))
+            _ if reaches(&best.state.position_m) => (best, (best.at_height(of_best.z), on_best)),
+            (_, Some((kept, (air_m, place)))) if reaches(&kept.state.position_m) => {
+                (kept, (kept.at_height(air_m.z), place))
             }
             (Some(last), _) => {
                 // As far toward it as was said.
@@ -88,7 +88,7 @@ impl Bank {
             covariance_m2 += about * hypothesis.weight();
         }
         // As it is it is where it goes: only who is told elsewhere has a step before him.
-        let as_it_is = position_m == best.state.position_m;
+        let as_it_is = position_m.xy() == best.state.position_m.xy();
         let jump: Vector3<f64> = if as_it_is { Vector3::zeros() } else { of_best - position_m };
         let mut radius_m = radius_95_m(&level(&covariance_m2));
         if jump.xy().norm() > radius_m {
@@ -223,6 +223,11 @@ impl Hypothesis {
         let reach_m = radius_95_m(&level(&self.state.position_covariance_m2())).max(OUT_M);
         let left = (air - here).xy().norm() > reach_m;
         if left { nearest_air(self.place, here, roadways) } else { (air, self.place) }
+    }
+
+    /// Its place on the map, at this height, m.
+    fn at_height(&self, up_m: f64) -> Vector3<f64> {
+        self.state.position_m.xy().push(up_m)
     }
 
     /// Takes another in, so that mean and covariance stay those of the two (Salmond 1990; Runnalls 2007, eq. 2–4).
