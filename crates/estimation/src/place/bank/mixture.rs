@@ -20,6 +20,8 @@ const LINE_95: f64 = 3.841_458_820_694_124;
 /// A place no farther than this beside its roadway is still on that, however sure it is, m.
 const OUT_M: f64 = 0.25;
 
+/// Within this radius fixes hold a place, m: dead reckoning alone exceeds it within some ten metres.
+const HELD_M: f64 = 0.5;
 /// The longest step of what is told, in radii that were told before: a carrier's own step comes to it.
 const MOST_STEP: f64 = 0.9;
 
@@ -66,18 +68,13 @@ impl Bank {
         let (shown, (position_m, place)) = match (last, of_kept) {
             _ if reaches(&of_best) => (best, (of_best, on_best)),
             (_, Some(of_kept)) if reaches(&of_kept.1.0) => of_kept,
-            // Corners are rounder than the map has them.
-            _ if reaches(&best.state.position_m) => (best, (best.at_height(of_best.z), on_best)),
-            (_, Some((kept, (air_m, place)))) if reaches(&kept.state.position_m) => {
-                (kept, (kept.at_height(air_m.z), place))
+            // Corners are rounder than the map has them, which only fixes can tell.
+            _ if best.is_held() && reaches(&best.state.position_m) => {
+                (best, (best.at_height(of_best.z), on_best))
             }
             (Some(last), _) => {
-                // As far toward it as was said.
                 let shown = kept.unwrap_or(best);
-                let (air_m, place) = nearest_air(shown.place, last.position_m, roadways);
-                let step_m = air_m - last.position_m;
-                let most_m = MOST_STEP * last.radius_m / step_m.xy().norm().max(f64::MIN_POSITIVE);
-                (shown, (last.position_m + step_m * most_m.min(1.0), place))
+                (shown, nearest_air(shown.place, last.position_m, roadways))
             }
             (None, _) => (best, (of_best, on_best)),
         };
@@ -223,6 +220,11 @@ impl Hypothesis {
         let reach_m = radius_95_m(&level(&self.state.position_covariance_m2())).max(OUT_M);
         let left = (air - here).xy().norm() > reach_m;
         if left { nearest_air(self.place, here, roadways) } else { (air, self.place) }
+    }
+
+    /// Fixes hold it.
+    fn is_held(&self) -> bool {
+        radius_95_m(&level(&self.state.position_covariance_m2())) < HELD_M
     }
 
     /// Its place on the map, at this height, m.
