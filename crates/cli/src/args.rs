@@ -2,17 +2,21 @@
 
 mod calibrate;
 mod compare;
+mod load;
 pub mod mine;
 mod nlos;
 mod radio;
 mod range;
+mod serve;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
 pub use compare::CompareArgs;
+pub use load::LoadArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
+pub use serve::ServeArgs;
 pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
@@ -151,6 +155,10 @@ pub enum Verb {
     Compare(CompareArgs),
     /// Find the noise parameters of a method on logs with truth
     Tune(TuneArgs),
+    /// Follow everybody live: gateways in; positions, alarms and an open API out
+    Serve(ServeArgs),
+    /// Load a server with simulated tags and tell what came of what was sent
+    Load(LoadArgs),
 }
 
 /// `adit demo`.

@@ -33,6 +33,8 @@ pub enum Unit {
     Bytes,
     /// Samples.
     Samples,
+    /// Seconds of a run.
+    Seconds,
     /// Evaluations of a cost, with the best so far.
     Evaluations,
     /// Passes over the data of a training.
@@ -50,6 +52,7 @@ impl Progress {
             }
             (Unit::Bytes, None) => "{msg:9} {spinner} {bytes} {binary_bytes_per_sec}",
             (Unit::Samples, Some(_)) => "{msg:9} [{bar:40}] {human_pos}/{human_len} {per_sec} {eta} left",
+            (Unit::Seconds, _) => "{msg:9} [{bar:40}] {pos}/{len} s",
             (Unit::Evaluations, _) => {
                 "{msg:9} [{bar:30}] {human_pos}/{human_len} {per_sec} {eta} left {prefix}"
             }

@@ -57,6 +57,65 @@ fn distance_to_segment(a: &Point, b: &Point, p: &Point) -> f64 {
 
 proptest! {
     #[test]
+    fn ways_searched_once_are_those_searched_one_by_one(
+        roadways in roadways(),
+        closed in any::<proptest::sample::Index>(),
+        from in point(),
+        targets in proptest::collection::vec(point(), 0..4),
+    ) {
+        let mut plan = plan(roadways);
+        let closed = closed.index(plan.roadways.len());
+        plan.roadways[closed].walkable = false;
+        let mine = Mine::unchecked(plan);
+        let network = mine.network();
+        let Some(from) = network.nearest(&from).map(|foot| foot.spot) else { return Ok(()) };
+        let targets: Vec<Spot> = targets.iter().filter_map(|p| Some(network.nearest(p)?.spot)).collect();
+        for travel in [Travel::Any, Travel::OnFoot] {
+            let once = network.ways_to(&targets, travel).length_m(network, &from);
+            let each = network.nearest_of(&from, &targets, travel).map(|(_, route)| route.length_m);
+            prop_assert_eq!(once.is_some(), each.is_some());
+            // The same lengths, added from the other end.
+            prop_assert!((once.unwrap_or(0.0) - each.unwrap_or(0.0)).abs() < 1e-9, "{once:?} {each:?}");
+        }
+    }
+
+    #[test]
+    fn a_passage_begins_and_ends_at_the_outline_with_nothing_inside_beyond(
+        corners in proptest::collection::vec((10.0..40.0_f64, 0.0..1.0_f64), 3..8),
+        (a, b) in ([-60.0..60.0_f64, -60.0..60.0_f64], [-60.0..60.0_f64, -60.0..60.0_f64]),
+    ) {
+        // Corners round the origin by rising angle: a simple outline, convex or not.
+        let mut corners = corners;
+        corners.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let angle = |share: f64| 2.0 * std::f64::consts::PI * share;
+        let zone = adit_mine::plan::Zone {
+            id: "z".into(),
+            name: None,
+            kind: adit_mine::plan::ZoneKind::Key,
+            level: "l".into(),
+            capacity: None,
+            exit_tolerance_m: 0.0,
+            exit_delay_s: 0.0,
+            outline_m: corners.iter().map(|(r, share)| [r * angle(*share).cos(), r * angle(*share).sin()]).collect(),
+        };
+        let at = |share: f64| [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+        let holds = |share: f64| { let [x, y] = at(share); zone.distance_m(x, y) == 0.0 };
+        let passage = zone.passage(a, b);
+        for step in 0..=200 {
+            let share = f64::from(step) / 200.0;
+            let (first, last) = passage.unwrap_or((2.0, -1.0));
+            prop_assert!(!holds(share) || (first - 1e-6..=last + 1e-6).contains(&share), "{share} of {passage:?}");
+        }
+        if let Some((first, last)) = passage {
+            prop_assert!(0.0 <= first && first <= last && last <= 1.0);
+            for share in [first, last] {
+                let [x, y] = at(share);
+                prop_assert!(zone.distance_m(x, y) < 1e-6);
+            }
+        }
+    }
+
+    #[test]
     fn the_nearest_place_is_the_nearest_of_all(roadways in roadways(), p in point()) {
         let mine = Mine::unchecked(plan(roadways));
         let foot = mine.network().nearest(&p).unwrap();

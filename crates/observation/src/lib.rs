@@ -12,6 +12,7 @@
 //! | truth as CSV | [`truth`] | yes | – |
 //! | radio survey, list of transmitters as CSV | [`survey`] | yes | – |
 //! | solutions with covariance as CSV | [`solution_csv`] | yes | yes |
+//! | packets of gateways, protobuf | [`wire`] | yes | yes |
 //!
 //! Whoever wants observations calls [`open`], which tells the format by content, applies the sidecar and checks
 //! order and units on the way:
@@ -62,6 +63,8 @@ pub mod order;
 #[cfg(feature = "std")]
 pub mod plausibility;
 #[cfg(feature = "std")]
+mod protobuf;
+#[cfg(feature = "std")]
 mod sensor_rows;
 #[cfg(feature = "std")]
 pub mod sidecar;
@@ -77,6 +80,8 @@ pub mod truth;
 pub mod tum;
 #[cfg(feature = "std")]
 mod warning;
+#[cfg(feature = "std")]
+pub mod wire;
 
 pub use device::DeviceId;
 #[cfg(feature = "std")]

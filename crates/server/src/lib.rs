@@ -1,5 +1,20 @@
 //! From the gateways to positions, alarms and an open API.
 
+pub mod api;
+pub mod auth;
+mod clock;
 mod error;
+pub mod export;
+pub mod feed;
+pub mod ingest;
+pub mod journal;
+pub mod pipeline;
+mod run;
+mod server;
+pub mod store;
+mod writer;
 
+pub use clock::now;
 pub use error::ServerError;
+pub use run::{Parts, Settings, start};
+pub use server::{Server, Serving};

@@ -4,9 +4,11 @@ mod calibrate;
 mod compare;
 mod demo;
 mod eval;
+mod load;
 mod mine;
 mod nlos;
 mod recorded_set;
+mod serve;
 mod simulate;
 mod track;
 mod trials;
@@ -27,5 +29,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Nlos(args) => nlos::run(args),
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
+        Verb::Load(args) => load::run(args),
+        Verb::Serve(args) => serve::run(args),
     }
 }

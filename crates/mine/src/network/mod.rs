@@ -6,9 +6,11 @@
 
 mod build;
 mod route;
+mod ways;
 
 pub(crate) use build::{Built, build};
 pub use route::{Leg, Route, Travel};
+pub use ways::Ways;
 
 use crate::geometry::polyline::{OnLine, Polyline};
 use adit_core::frames::{MineGrid, Position, Vector};
@@ -91,6 +93,13 @@ pub struct Network {
 struct Passage {
     length_m: f64,
     walkable: bool,
+}
+
+impl Passage {
+    /// Length of the way through it, m; infinite where it cannot be gone.
+    fn cost_m(&self, travel: Travel) -> f64 {
+        if travel == Travel::Any || self.walkable { self.length_m } else { f64::INFINITY }
+    }
 }
 
 impl Edge {

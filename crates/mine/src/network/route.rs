@@ -37,9 +37,9 @@ pub struct Route {
 
 /// A node that a spot can be left or reached by.
 #[derive(Debug, Clone, Copy)]
-struct Door {
-    node: NodeIndex,
-    way_m: f64,
+pub(super) struct Door {
+    pub(super) node: NodeIndex,
+    pub(super) way_m: f64,
     along_m: f64,
 }
 
@@ -61,10 +61,7 @@ impl Network {
     /// The nearest of several targets by the way to it, with its place in the list; `None` when none can be reached. The
     /// edge on which the way begins may be one that is not walkable: whoever is there leaves it.
     pub fn nearest_of(&self, from: &Spot, targets: &[Spot], travel: Travel) -> Option<(usize, Route)> {
-        let cost = |edge: EdgeReference<'_, super::Passage>| {
-            let passage = edge.weight();
-            if travel == Travel::Any || passage.walkable { passage.length_m } else { f64::INFINITY }
-        };
+        let cost = |edge: EdgeReference<'_, super::Passage>| edge.weight().cost_m(travel);
         let starts = self.doors(from)?;
         let ways = starts.map(|start| dijkstra(&self.graph, start.node, None, cost));
         let mut best: Option<Candidate> = None;
@@ -117,11 +114,11 @@ impl Network {
         Some((index, Route { length_m, legs }))
     }
 
-    fn clamped(&self, spot: &Spot) -> Option<f64> {
+    pub(super) fn clamped(&self, spot: &Spot) -> Option<f64> {
         Some(spot.along_m.clamp(0.0, self.edge(spot.edge)?.length_m()))
     }
 
-    fn doors(&self, spot: &Spot) -> Option<[Door; 2]> {
+    pub(super) fn doors(&self, spot: &Spot) -> Option<[Door; 2]> {
         let edge = self.edge(spot.edge)?;
         let (along_m, length_m) = (self.clamped(spot)?, edge.length_m());
         let door =

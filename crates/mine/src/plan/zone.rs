@@ -1,6 +1,6 @@
 //! Areas with a meaning.
 
-use crate::geometry::polygon;
+use crate::geometry::polygon::{self, Outline};
 use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -64,5 +64,11 @@ impl Zone {
     pub fn holds(&self, was_inside: bool, x_m: f64, y_m: f64) -> bool {
         let distance_m = self.distance_m(x_m, y_m);
         if was_inside { distance_m <= self.exit_tolerance_m } else { distance_m <= 0.0 }
+    }
+    /// Where somebody who goes straight from one place to the other is inside, from the first entry to the last exit: shares of the way,
+    /// 0 to 1. `None` when the way does not lead through the zone.
+    pub fn passage(&self, from: [f64; 2], to: [f64; 2]) -> Option<(f64, f64)> {
+        let inside = polygon::chords(&self.outline_m, from, to, Outline::Inside);
+        Some((inside.first()?.from, inside.last()?.to))
     }
 }

@@ -25,11 +25,8 @@
 //!
 //! Format: <https://mcap.dev/spec>; the state machine is the `mcap` crate's, without I/O.
 
-mod messages;
-mod radio_messages;
 mod reader;
 mod records;
-mod schema;
 mod writer;
 
 pub use reader::McapLog;

@@ -1,10 +1,9 @@
-use super::messages::{BadMessage, Messages};
 use super::records::Records;
-use super::schema::{PROTOBUF, schema_name};
-use crate::error::{At, LogError, on_one_line, shown};
+use crate::error::{At, LogError, shown};
 use crate::files::Input;
-use crate::names::EXPECTED_NAME;
 use crate::observation::{Observation, ObservationKind};
+use crate::protobuf::schema::{PROTOBUF, schema_name};
+use crate::protobuf::{BadMessage, Messages};
 use crate::source::LogSource;
 use crate::warning::{LogWarning, Warnings};
 use mcap::records::{Record, op};
@@ -84,24 +83,7 @@ impl McapLog {
     }
 
     fn bad(&self, kind: ObservationKind, bad: BadMessage) -> LogError {
-        let (what, found, expected) = match bad {
-            BadMessage::Undecodable(why) => {
-                ("message".to_owned(), on_one_line(&why), schema_name(kind).to_owned())
-            }
-            BadMessage::Missing(field) => (field.to_owned(), "nothing".to_owned(), "a value".to_owned()),
-            BadMessage::NotFinite(field, value) => {
-                (field.to_owned(), value.to_string(), "a finite number".to_owned())
-            }
-            BadMessage::Unlikely(field, value, expected) => {
-                (field.to_owned(), value.to_string(), expected.to_owned())
-            }
-            BadMessage::Name(field, found) => {
-                (field.to_owned(), format!("\"{found}\""), EXPECTED_NAME.to_owned())
-            }
-            BadMessage::Time(found) => {
-                ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
-            }
-        };
+        let (what, found, expected) = bad.told(schema_name(kind));
         LogError::BadValue { place: self.records.place(), what, found, expected }
     }
 }

@@ -1,8 +1,8 @@
-use super::messages::Messages;
-use super::schema::{DESCRIPTORS, PROTOBUF, schema_name, topic};
 use crate::error::LogError;
 use crate::files::AtomicFile;
 use crate::observation::{Observation, ObservationKind};
+use crate::protobuf::Messages;
+use crate::protobuf::schema::{DESCRIPTORS, PROTOBUF, schema_name, topic};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, McapError, WriteOptions, Writer};

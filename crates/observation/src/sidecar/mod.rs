@@ -63,7 +63,7 @@ use crate::observation::Observation;
 use crate::start::{Site, StartPose};
 use adit_core::nalgebra::Vector3;
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -112,7 +112,7 @@ pub struct Mounting {
 }
 
 /// Where the sensor sits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names are their own explanation")]
 pub enum Location {

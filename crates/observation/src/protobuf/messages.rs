@@ -2,9 +2,10 @@
 
 use super::schema::{Timestamp, message};
 use crate::device::DeviceId;
+use crate::error::on_one_line;
 use crate::fix::{FixSource, HeightFix, PositionFix};
 use crate::imu::{AccelerationSample, ImuSample, MagneticSample};
-use crate::names::Names;
+use crate::names::{EXPECTED_NAME, Names};
 use crate::observation::{Observation, ObservationKind};
 use crate::pressure::PressureSample;
 use crate::radio::Sighting;
@@ -15,7 +16,8 @@ use prost::Message;
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
 /// What is wrong with a message.
-pub(super) enum BadMessage {
+#[derive(Debug)]
+pub(crate) enum BadMessage {
     Undecodable(String),
     Missing(&'static str),
     NotFinite(&'static str, f64),
@@ -24,18 +26,38 @@ pub(super) enum BadMessage {
     Time(String),
 }
 
+impl BadMessage {
+    /// Field, what was found, what is expected; `message` is what it was taken for.
+    pub(crate) fn told(self, message: &str) -> (String, String, String) {
+        match self {
+            Self::Undecodable(why) => ("message".to_owned(), on_one_line(&why), message.to_owned()),
+            Self::Missing(field) => (field.to_owned(), "nothing".to_owned(), "a value".to_owned()),
+            Self::NotFinite(field, value) => {
+                (field.to_owned(), value.to_string(), "a finite number".to_owned())
+            }
+            Self::Unlikely(field, value, expected) => {
+                (field.to_owned(), value.to_string(), expected.to_owned())
+            }
+            Self::Name(field, found) => (field.to_owned(), format!("\"{found}\""), EXPECTED_NAME.to_owned()),
+            Self::Time(found) => {
+                ("timestamp".to_owned(), found, "a time within ±292 years, 0 to 999999999 ns".to_owned())
+            }
+        }
+    }
+}
+
 /// Turns observations into messages and back. What holds text is kept and filled anew, so that a message allocates nothing for it.
 #[derive(Default)]
-pub(super) struct Messages {
-    pub(super) signal: message::SignalStrength,
-    pub(super) range: message::RangeSample,
-    pub(super) sighting: message::Sighting,
-    pub(super) names: Names,
+pub(crate) struct Messages {
+    pub(crate) signal: message::SignalStrength,
+    pub(crate) range: message::RangeSample,
+    pub(crate) sighting: message::Sighting,
+    pub(crate) names: Names,
 }
 
 impl Messages {
     /// Appends the message of an observation.
-    pub(super) fn encode(&mut self, observation: &Observation, bytes: &mut Vec<u8>) {
+    pub(crate) fn encode(&mut self, observation: &Observation, bytes: &mut Vec<u8>) {
         let timestamp = Some(timestamp(observation.time()));
         match observation {
             Observation::Imu(sample) => message::ImuSample {
@@ -80,7 +102,7 @@ impl Messages {
     }
 
     /// Reads the message of an observation.
-    pub(super) fn decode(&mut self, kind: ObservationKind, bytes: &[u8]) -> Result<Observation, BadMessage> {
+    pub(crate) fn decode(&mut self, kind: ObservationKind, bytes: &[u8]) -> Result<Observation, BadMessage> {
         let observation = match kind {
             ObservationKind::Imu => Observation::Imu(decode_imu(bytes)?),
             ObservationKind::Acceleration => Observation::Acceleration(decode_acceleration(bytes)?),
@@ -104,19 +126,19 @@ impl Messages {
 }
 
 /// Fills a text anew, in the memory that it has.
-pub(super) fn refill(text: &mut String, with: &str) {
+pub(crate) fn refill(text: &mut String, with: &str) {
     text.clear();
     text.push_str(with);
 }
 
 /// Reads a message in the memory that it has.
-pub(super) fn reread<M: Message>(message: &mut M, bytes: &[u8]) -> Result<(), BadMessage> {
+pub(crate) fn reread<M: Message>(message: &mut M, bytes: &[u8]) -> Result<(), BadMessage> {
     message.clear();
     message.merge(bytes).map_err(|e| BadMessage::Undecodable(e.to_string()))
 }
 
 /// The device of a name in a message.
-pub(super) fn device(names: &mut Names, name: &str, field: &'static str) -> Result<DeviceId, BadMessage> {
+pub(crate) fn device(names: &mut Names, name: &str, field: &'static str) -> Result<DeviceId, BadMessage> {
     if name.is_empty() {
         return Err(BadMessage::Missing(field));
     }
@@ -196,7 +218,7 @@ fn source_from_message(source: message::FixSource) -> FixSource {
     FixSource::ALL.into_iter().find(|ours| source_to_message(*ours) == source).unwrap_or_default()
 }
 
-pub(super) fn number(value: Option<f64>, name: &'static str) -> Result<f64, BadMessage> {
+pub(crate) fn number(value: Option<f64>, name: &'static str) -> Result<f64, BadMessage> {
     match value {
         Some(value) if value.is_finite() => Ok(value),
         Some(bad) => Err(BadMessage::NotFinite(name, bad)),
@@ -204,14 +226,14 @@ pub(super) fn number(value: Option<f64>, name: &'static str) -> Result<f64, BadM
     }
 }
 
-fn timestamp(time: Time) -> Timestamp {
+pub(crate) fn timestamp(time: Time) -> Timestamp {
     let nanos = time.nanos();
     // The fraction counts forward from the second below, also before the origin.
     let fraction = i32::try_from(nanos.rem_euclid(NANOS_PER_SECOND)).unwrap_or_default();
     Timestamp { seconds: nanos.div_euclid(NANOS_PER_SECOND), nanos: fraction }
 }
 
-pub(super) fn time(timestamp: Option<Timestamp>) -> Result<Time, BadMessage> {
+pub(crate) fn time(timestamp: Option<Timestamp>) -> Result<Time, BadMessage> {
     let Timestamp { seconds, nanos } = timestamp.ok_or(BadMessage::Missing("timestamp"))?;
     let whole = i128::from(seconds) * i128::from(NANOS_PER_SECOND) + i128::from(nanos);
     i64::try_from(whole)

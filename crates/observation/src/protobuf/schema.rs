@@ -3,21 +3,25 @@
 use crate::observation::ObservationKind;
 
 /// Types made by prost from `proto/adit/v1/*.proto`.
+#[cfg_attr(
+    not(test),
+    allow(dead_code, reason = "a batch is read by its envelope; tests hold it against the type made here")
+)]
 #[expect(clippy::doc_markdown, clippy::trivially_copy_pass_by_ref, reason = "as prost writes enums")]
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/schemas.rs"));
 }
 
-pub(super) use generated::adit::v1 as message;
-pub(super) use generated::google::protobuf::Timestamp;
+pub(crate) use generated::adit::v1 as message;
+pub(crate) use generated::google::protobuf::Timestamp;
 
 /// `FileDescriptorSet` of all schemas with their imports: the schema data of every channel.
-pub(super) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/adit_v1.descriptors"));
+pub(crate) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/adit_v1.descriptors"));
 /// Name of encoding and of schema encoding in MCAP.
-pub(super) const PROTOBUF: &str = "protobuf";
+pub(crate) const PROTOBUF: &str = "protobuf";
 
 /// Full name of the protobuf message of a kind.
-pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
+pub(crate) const fn schema_name(kind: ObservationKind) -> &'static str {
     match kind {
         ObservationKind::Imu => "adit.v1.ImuSample",
         ObservationKind::Acceleration => "adit.v1.AccelerationSample",
@@ -31,7 +35,7 @@ pub(super) const fn schema_name(kind: ObservationKind) -> &'static str {
 }
 
 /// Topic written; any is read.
-pub(super) const fn topic(kind: ObservationKind) -> &'static str {
+pub(crate) const fn topic(kind: ObservationKind) -> &'static str {
     match kind {
         ObservationKind::Imu => "/imu",
         ObservationKind::Acceleration => "/acceleration",

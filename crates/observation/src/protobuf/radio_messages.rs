@@ -10,7 +10,7 @@ use std::sync::Arc;
 const BYTES_A_TAP: usize = 4;
 
 impl Messages {
-    pub(super) fn encode_signal(
+    pub(crate) fn encode_signal(
         &mut self,
         timestamp: Option<Timestamp>,
         signal: &SignalStrength,
@@ -24,7 +24,7 @@ impl Messages {
         message.encode_raw(bytes);
     }
 
-    pub(super) fn decode_signal(&mut self, bytes: &[u8]) -> Result<SignalStrength, BadMessage> {
+    pub(crate) fn decode_signal(&mut self, bytes: &[u8]) -> Result<SignalStrength, BadMessage> {
         reread(&mut self.signal, bytes)?;
         let message = &self.signal;
         Ok(SignalStrength {
@@ -35,7 +35,7 @@ impl Messages {
         })
     }
 
-    pub(super) fn encode_range(
+    pub(crate) fn encode_range(
         &mut self,
         timestamp: Option<Timestamp>,
         range: &RangeSample,
@@ -56,7 +56,7 @@ impl Messages {
         message.encode_raw(bytes);
     }
 
-    pub(super) fn decode_range(&mut self, bytes: &[u8]) -> Result<RangeSample, BadMessage> {
+    pub(crate) fn decode_range(&mut self, bytes: &[u8]) -> Result<RangeSample, BadMessage> {
         reread(&mut self.range, bytes)?;
         let message = &self.range;
         let tag = match message.tag.as_str() {
