@@ -8,6 +8,7 @@ mod nlos;
 mod radio;
 mod range;
 mod serve;
+mod store;
 mod tune;
 
 pub use calibrate::{CalibrateArgs, CalibrateMagArgs, CalibrateNoiseArgs, Calibration};
@@ -17,6 +18,7 @@ pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
 pub use serve::ServeArgs;
+pub use store::{AuditArgs, AuditVerb, AuditVerifyArgs, Exported, StoreArgs, StoreExportArgs, StoreVerb};
 pub use tune::{OptimiserName, TuneArgs};
 
 use crate::method::MethodName;
@@ -157,6 +159,10 @@ pub enum Verb {
     Tune(TuneArgs),
     /// Follow everybody live: gateways in; positions, alarms and an open API out
     Serve(ServeArgs),
+    /// Back up, check or export what a server has stored
+    Store(StoreArgs),
+    /// Find out whether somebody tampered with the audit log of a server
+    Audit(AuditArgs),
     /// Load a server with simulated tags and tell what came of what was sent
     Load(LoadArgs),
 }

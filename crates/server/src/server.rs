@@ -46,6 +46,7 @@ impl Server {
             TcpListener::bind(listen).map_err(|source| ServerError::Bind { address: listen, source })?;
         let address = listener.local_addr().map_err(|source| ServerError::Listen { source })?;
         let tls = tls.as_ref().map(TlsFiles::read).transpose()?;
+        let api = ApiSettings { secure_cookies: api.secure_cookies || tls.is_some(), ..api };
         let metrics = Metrics::of_process();
         let mine = Arc::clone(&settings.mine);
         let feed = Feed::new(feed);

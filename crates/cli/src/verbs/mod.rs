@@ -10,6 +10,7 @@ mod nlos;
 mod recorded_set;
 mod serve;
 mod simulate;
+mod store;
 mod track;
 mod trials;
 mod tune;
@@ -31,5 +32,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Tune(args) => tune::run(args),
         Verb::Load(args) => load::run(args),
         Verb::Serve(args) => serve::run(args),
+        Verb::Store(args) => store::store(args),
+        Verb::Audit(args) => store::audit(args),
     }
 }

@@ -156,6 +156,16 @@ impl ApiError {
     }
 }
 
+impl ApiError {
+    /// Of another part of the server.
+    pub(super) fn of_server(error: &crate::ServerError) -> Self {
+        match error {
+            crate::ServerError::Store(error) => Self::of_store(error),
+            other => Self::internal(other),
+        }
+    }
+}
+
 impl From<DoorError> for ApiError {
     fn from(error: DoorError) -> Self {
         let message = error.to_string();

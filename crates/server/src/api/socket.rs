@@ -1,4 +1,4 @@
-//! What the WebSockets have in common: writing with a limit of time, and asking again who watches.
+//! What the sockets of viewers have in common: writing with a limit of time, and asking again who watches.
 
 use super::{ApiError, Context};
 use crate::auth::{Permission, Principal};

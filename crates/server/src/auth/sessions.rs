@@ -20,6 +20,8 @@ pub struct NewSession {
     pub expires: Time,
 }
 
+const USER: &str = "SELECT id, role, password_hash, disabled, locked_until_ns FROM users WHERE name = ?";
+
 impl Auth {
     /// Lets a user in: counts the try, checks the password, begins a session.
     pub async fn login(
@@ -30,8 +32,6 @@ impl Auth {
     ) -> Result<NewSession, AuthError> {
         let name = name.to_lowercase();
         self.limiter.check(address, &name)?;
-        const USER: &str =
-            "SELECT id, role, password_hash, disabled, locked_until_ns FROM users WHERE name = ?";
         let user = sqlx::query(USER).bind(&name).fetch_optional(self.readers()).await?;
         let hash = user.as_ref().map(|row| row.try_get("password_hash")).transpose()?;
         let right = self.passwords.verify(password, hash).await?;

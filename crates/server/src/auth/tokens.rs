@@ -39,6 +39,9 @@ pub struct NewToken {
     pub secret: Secret,
 }
 
+const ADD: &str = "INSERT INTO api_tokens (id, name, prefix, digest, grants, created_by, created_ns, expires_ns) \
+                   VALUES (?, ?, ?, ?, ?, ?, ?, ?)";
+
 impl Auth {
     /// All tokens by name, revoked ones too.
     pub async fn tokens(&self) -> Result<Vec<ApiToken>, AuthError> {
@@ -60,8 +63,6 @@ impl Auth {
         }
         let secret = Secret::new(Kind::Token)?;
         let id = uuid::Uuid::now_v7().to_string();
-        const ADD: &str = "INSERT INTO api_tokens (id, name, prefix, digest, grants, created_by, created_ns, expires_ns) \
-                           VALUES (?, ?, ?, ?, ?, ?, ?, ?)";
         let add = sqlx::query(ADD).bind(&id).bind(name).bind(secret.shown()).bind(secret.digest());
         let add = add.bind(grant.name()).bind(by).bind(self.now()).bind(expires.map(Time::nanos));
         add.execute(self.writer()).await.map_err(taken(name))?;

@@ -39,6 +39,10 @@ pub struct UserChange {
     pub disabled: Option<bool>,
 }
 
+const CHANGE: &str = "UPDATE users SET role = ?2, disabled = ?3, password_hash = COALESCE(?4, password_hash), \
+     failures = CASE WHEN ?4 IS NULL THEN failures ELSE 0 END, \
+     locked_until_ns = CASE WHEN ?4 IS NULL THEN locked_until_ns ELSE NULL END WHERE name = ?1";
+
 impl Auth {
     pub(super) async fn has_users(&self) -> Result<bool, AuthError> {
         Ok(sqlx::query("SELECT 1 FROM users LIMIT 1").fetch_optional(self.readers()).await?.is_some())
@@ -81,9 +85,6 @@ impl Auth {
         let before = user(&before, self.now())?;
         let role = change.role.unwrap_or(before.role);
         let disabled = change.disabled.unwrap_or(before.disabled);
-        const CHANGE: &str = "UPDATE users SET role = ?2, disabled = ?3, password_hash = COALESCE(?4, password_hash), \
-             failures = CASE WHEN ?4 IS NULL THEN failures ELSE 0 END, \
-             locked_until_ns = CASE WHEN ?4 IS NULL THEN locked_until_ns ELSE NULL END WHERE name = ?1";
         let write = sqlx::query(CHANGE).bind(&name).bind(role.name()).bind(disabled).bind(&hash);
         write.execute(&mut *transaction).await?;
         if hash.is_some() || role != before.role || disabled {

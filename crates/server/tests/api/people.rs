@@ -41,6 +41,16 @@ async fn a_person_gets_a_tag_and_is_seen_below() -> Tested {
     let audit = house.ask("GET", "/api/v1/audit?what=assign", house.token("admin"), None).await?;
     assert_eq!(audit.json[0]["who"], "token:dispatcher", "{}", audit.text);
     assert_eq!(audit.json[0]["detail"]["person"], "p1");
+
+    let span = "from=2020-01-01T00:00:00Z&until=2100-01-01T00:00:00Z";
+    for (format, begins) in [("csv", "time_s,"), ("geojson", "{"), ("parquet", "PAR1")] {
+        for what in ["tracks", "events", "alarms"] {
+            let path = format!("/api/v1/export/{what}?format={format}&{span}");
+            let file = house.ask("GET", &path, house.token("safety-officer"), None).await?;
+            assert_eq!(file.status, 200, "{path}: {}", file.text);
+            assert!(file.text.starts_with(begins), "{path}: {:.80}", file.text);
+        }
+    }
     Ok(())
 }
 

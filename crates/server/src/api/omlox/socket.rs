@@ -263,7 +263,7 @@ impl Client {
             let location = location(&self.context, &subscription.crs, &of)?;
             Some(if subscription.geojson { feature(location) } else { location })
         });
-        message(&subscription.name, objects.collect())
+        message(&subscription.name, &objects.collect::<Vec<_>>())
     }
 
     fn fence_event(&self, subscription: &Subscription, told: &Told) -> String {
@@ -299,7 +299,7 @@ impl Client {
         } else {
             body
         };
-        message(&subscription.name, vec![body])
+        message(&subscription.name, &[body])
     }
 
     fn region(&self, zone: &str) -> Value {
@@ -340,6 +340,6 @@ fn is_of_fences(event: &Event) -> bool {
 }
 
 /// Without `subscription_id`: a known client drops messages whose id it does not expect.
-fn message(topic: &str, payload: Vec<Value>) -> String {
+fn message(topic: &str, payload: &[Value]) -> String {
     json!({ "event": "message", "topic": topic, "payload": payload }).to_string()
 }

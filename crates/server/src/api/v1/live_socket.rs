@@ -43,6 +43,7 @@ struct MovedJson {
 /// A message.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "kebab-case")]
+#[expect(clippy::large_enum_variant, reason = "made, written and dropped at once")]
 enum Live<'a> {
     /// All that is known now; first of all.
     Snapshot {

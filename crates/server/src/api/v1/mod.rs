@@ -1,6 +1,7 @@
 //! adit's own API: everything that omlox has no word for, and the console's needs.
 
 mod alarms;
+mod exports;
 mod following;
 mod history;
 mod live_socket;
@@ -30,6 +31,9 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::SeeHistory, routes!(history::events))
         .needs(Permission::SeeHistory, routes!(history::alarms))
         .needs(Permission::SeeHistory, routes!(history::attendance))
+        .needs(Permission::Export, routes!(exports::tracks))
+        .needs(Permission::Export, routes!(exports::events))
+        .needs(Permission::Export, routes!(exports::alarms))
         .needs(Permission::SeeAudit, routes!(history::audit))
         .needs(Permission::SeeSettings, routes!(site::settings))
         .needs(Permission::Ingest, large(routes!(site::observations)))
