@@ -52,13 +52,16 @@ fn stretches(criterion: &mut Criterion) {
                 index += 1;
                 bank.walk(&Stretch {
                     way_m: Vector3::new(east_m, 0.0, 0.0),
-                    interval_s: 0.3,
+                    drifting: 0.3,
+                    turned_rad: 0.0,
                     along_m2: 1e-5,
                     across_m2: 1e-5,
                     up_m2: 1e-5,
                     about_m2: 0.0,
                     heading: HeadingError::Gyro { walk_rad2: 1e-8 },
                     turn_rad2: 0.0,
+                    drift2: 0.0,
+                    iron_rad2: 0.0,
                     factor2: 0.0,
                     barometer_m2: 0.0,
                 });

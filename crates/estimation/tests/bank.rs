@@ -40,7 +40,8 @@ fn weights_sum_to_one_and_the_bank_stays_small() {
             // Eight exponentials of logarithms, each right to a few units in the last place.
             assert!((sum - 1.0).abs() < 1e-12, "{sum}");
             assert!((1..=8).contains(&bank.hypotheses().len()));
-            assert!(bank.bytes() <= 9 * 1024, "{} bytes", bank.bytes());
+            // Eight of fourteen states, each with its covariance.
+            assert!(bank.bytes() <= 14 * 1024, "{} bytes", bank.bytes());
             assert!(estimate.share <= 1.0 + 1e-12);
         });
     }
@@ -221,13 +222,16 @@ fn led(
         for _ in 0..steps as usize {
             bank.walk(&Stretch {
                 way_m: level.push(up_m),
-                interval_s: 0.5,
+                drifting: 0.5,
+                turned_rad: 0.0,
                 along_m2: 1e-4,
                 across_m2: 1e-4,
                 up_m2: 1e-4,
                 about_m2: 0.0,
                 heading: HeadingError::Gyro { walk_rad2: 1e-6 },
                 turn_rad2: 0.0,
+                drift2: 0.0,
+                iron_rad2: 0.0,
                 factor2: 0.0,
                 barometer_m2: 0.0,
             });

@@ -6,8 +6,8 @@ mod support;
 use adit_core::nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 use adit_estimation::place::bank::{Bank, BankParams};
 use adit_estimation::place::state::{
-    BAROMETER, COMMON, DRIFT, EAST, FACTOR, HEADING, HeadingError, NORTH, STATES, Seen, State, Stretch, TURN,
-    UP, Vector,
+    BAROMETER, COMMON, DRIFT, EAST, FACTOR, HEADING, HeadingError, IRON, MISSED, NORTH, STATES, Seen, State,
+    Stretch, TURN, UP, Vector,
 };
 use support::Draws;
 
@@ -38,7 +38,10 @@ const ALL_STATES: usize = STATES * (STEPS + 1);
 /// Nobody walks, so that nothing is linearised: the error of the place, of the barometer, of heading and drift go on by themselves.
 fn standing() -> Stretch {
     Stretch {
-        interval_s: 2.0,
+        drifting: 2.0,
+        turned_rad: 1.5,
+        drift2: 2e-4,
+        iron_rad2: 5e-3,
         about_m2: 0.09,
         up_m2: 0.04,
         heading: HeadingError::Gyro { walk_rad2: 1e-3 },
@@ -81,6 +84,7 @@ fn smoothing_is_the_posterior_of_all_states_given_all_measurements() {
     // The joint prior of the states at all times: cov(x_i, x_j) = F^(i−j) P_j.
     let mut transition = SMatrix::<f64, STATES, STATES>::identity();
     transition[(HEADING, DRIFT)] = 2.0;
+    transition[(HEADING, MISSED)] = 1.5;
     let mut driven = Vector::zeros();
     for (index, variance) in [
         (EAST, 0.09),
@@ -88,6 +92,9 @@ fn smoothing_is_the_posterior_of_all_states_given_all_measurements() {
         (UP, 0.04),
         (HEADING, 1e-3),
         (TURN, 2e-3),
+        (DRIFT, 2e-4),
+        (IRON, 5e-3),
+        (IRON + 1, 5e-3),
         (FACTOR, 1e-4),
         (BAROMETER, 0.01),
     ] {
@@ -133,12 +140,14 @@ fn coordinates(state: &State) -> Vector {
     vector.fixed_rows_mut::<3>(EAST).copy_from(&state.position_m);
     vector[TURN] = state.turn_rad - state.heading_rad;
     vector[HEADING] = state.heading_rad;
-    vector[DRIFT] = state.drift_rad_s;
+    vector[DRIFT] = state.drift_rad;
     vector[FACTOR] = state.factor;
     vector[BAROMETER] = state.barometer_m;
     vector[COMMON] = state.common_m;
     vector[9] = state.clock_s;
     vector[10] = state.hearing_db;
+    vector.fixed_rows_mut::<2>(IRON).copy_from(&state.iron_rad);
+    vector[MISSED] = state.missed;
     vector
 }
 
@@ -193,7 +202,7 @@ impl Blackout {
             let white_m2 = self.white_m_sqrt_m * self.white_m_sqrt_m * 1.2;
             bank.walk(&Stretch {
                 way_m: Vector3::new(way.x, way.y, 0.0),
-                interval_s: 1.0,
+                drifting: 1.0,
                 along_m2: white_m2,
                 across_m2: white_m2,
                 heading: HeadingError::Gyro { walk_rad2: self.walk_rad_sqrt_s * self.walk_rad_sqrt_s },
@@ -272,7 +281,7 @@ fn smoothed_covariances_are_honest() {
 #[test]
 fn a_segment_ends_where_the_bank_begins_anew() {
     let mut bank = without_roadways();
-    let stretch = Stretch { way_m: Vector3::new(0.0, 1.0, 0.0), interval_s: 1.0, ..Stretch::jump(0.0) };
+    let stretch = Stretch { way_m: Vector3::new(0.0, 1.0, 0.0), drifting: 1.0, ..Stretch::jump(0.0) };
     bank.start(unsure(0.1, 0.0, 0.01));
     for instant in 1..=10_000 {
         bank.at(instant);

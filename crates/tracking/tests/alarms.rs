@@ -167,6 +167,16 @@ fn who_lies_still_raises_an_alarm_until_moving() {
 }
 
 #[test]
+fn who_is_carried_out_lies_still_outside() {
+    let mut room = Room::of(1, Rules::default());
+    lie(&mut room, 302.0, Some(Motion::Still), |_| 12.0);
+    assert_eq!(room.kinds(), [AlarmKind::NoMotion]);
+    room.main(room.now_s + 1.0, "t1", 8.0);
+    room.motion("t1", Motion::Still);
+    assert_eq!(room.kinds(), []);
+}
+
+#[test]
 fn who_stands_where_they_work_or_rides_is_not_down() {
     // The sensors see motion, the position stays.
     let mut room = Room::of(1, Rules::default());

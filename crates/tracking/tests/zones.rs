@@ -124,6 +124,21 @@ fn a_zone_holds_on_its_own_level_only() {
 }
 
 #[test]
+fn who_goes_down_leaves_the_zones_above_at_the_border_of_the_levels() {
+    let mut room = Room::of(1, Rules::default());
+    let drawn = |id, level| LiveZone::from(zone(id, ZoneKind::Key, level, [40.0, 60.0], 0.0));
+    room.command(Command::CreateZone { zone: drawn("above", "upper") }).unwrap();
+    room.command(Command::CreateZone { zone: drawn("beneath", "lower") }).unwrap();
+    room.wait(1.0);
+    room.fix("t1", 50.0, 0.0, -20.0);
+    room.told();
+    // 20 m down in 2 s: the border at −25 m is crossed after a quarter of the way.
+    room.wait(3.0);
+    room.fix("t1", 50.0, 0.0, -40.0);
+    assert_eq!(moves(&room.told()), [("above", false, 1.5), ("beneath", true, 1.5)]);
+}
+
+#[test]
 fn a_fix_too_coarse_to_tell_begins_no_stay_and_ends_none() {
     let mut room = Room::of(1, Rules::default());
     room.wait(1.0);

@@ -135,6 +135,19 @@ impl Covariance {
         self.upper[at(block, block)] += variance;
     }
 
+    /// Place and heading are the origin from now on: nothing that is still to be learnt corrects what led to them (Nilsson, Zachariah, Skog & Händel 2013).
+    pub fn set_origin(&mut self) {
+        for other in 0..BLOCKS {
+            self.upper[at(POSITION.min(other), POSITION.max(other))] = Matrix3::zeros();
+            // The heading is the third axis of the attitude, which is the first block.
+            let block = &mut self.upper[at(ATTITUDE, other)];
+            block.row_mut(2).fill(0.0);
+            if other == ATTITUDE {
+                block.column_mut(2).fill(0.0);
+            }
+        }
+    }
+
     /// All of it, 18×18.
     pub fn to_matrix(&self) -> SMatrix<f64, STATES, STATES> {
         SMatrix::from_fn(|i, j| self.block(i / 3, j / 3)[(i % 3, j % 3)])

@@ -1,7 +1,8 @@
 //! Moments of a state where it is no Kalman update that changes them: cut off at a wall, joined with another, faced another way.
 
 use super::state::{
-    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, State, TURN, Vector, symmetrise,
+    BAROMETER, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, IRON, MISSED, State, TURN, Vector,
+    symmetrise,
 };
 use adit_core::nalgebra::Vector3;
 use core::f64::consts::FRAC_1_SQRT_2;
@@ -51,12 +52,14 @@ impl State {
         apart.fixed_rows_mut::<3>(EAST).copy_from(&apart_m);
         apart[TURN] = of_turn;
         apart[HEADING] = turned - of_turn;
-        apart[DRIFT] = other.drift_rad_s - self.drift_rad_s;
+        apart[DRIFT] = other.drift_rad - self.drift_rad;
         apart[FACTOR] = other.factor - self.factor;
         apart[BAROMETER] = other.barometer_m - self.barometer_m;
         apart[COMMON] = other.common_m - self.common_m;
         apart[CLOCK] = other.clock_s - self.clock_s;
         apart[HEARING] = other.hearing_db - self.hearing_db;
+        apart.fixed_rows_mut::<2>(IRON).copy_from(&(other.iron_rad - self.iron_rad));
+        apart[MISSED] = other.missed - self.missed;
         self.covariance = self.covariance * (1.0 - share)
             + other.covariance * share
             + apart * apart.transpose() * (share * (1.0 - share));

@@ -3,8 +3,8 @@
 //! F and Q are those of [`super::state`]; they are kept apart from the state because a smoother goes the same way back.
 
 use super::state::{
-    BAROMETER, Covariance, DRIFT, EAST, FACTOR, HEADING, HeadingError, NORTH, State, Stretch, TURN, UP,
-    Vector,
+    BAROMETER, Covariance, DRIFT, EAST, FACTOR, HEADING, HeadingError, IRON, MISSED, NORTH, State, Stretch,
+    TURN, UP, Vector,
 };
 use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -41,11 +41,17 @@ impl<'a> Motion<'a> {
         Self { walked_m, stretch, level, length_m, turned, stretched }
     }
 
-    /// For how long the heading drifts, s: not while a magnetometer holds it.
-    pub fn drifting_s(&self) -> f64 {
+    /// By what drift and missed turns turn a state, rad: nothing while a magnetometer holds the heading.
+    pub fn turned_rad(&self, state: &State) -> f64 {
+        let [drifting, turned_rad] = self.by_drift();
+        state.drift_rad * drifting + state.missed * turned_rad
+    }
+
+    /// Derivatives of the heading by ρ and s.
+    fn by_drift(&self) -> [f64; 2] {
         match self.stretch.heading {
-            HeadingError::Gyro { .. } => self.stretch.interval_s,
-            HeadingError::Magnetic { .. } => 0.0,
+            HeadingError::Gyro { .. } => [self.stretch.drifting, self.stretch.turned_rad],
+            HeadingError::Magnetic { .. } => [0.0; 2],
         }
     }
 
@@ -60,7 +66,8 @@ impl<'a> Motion<'a> {
         let mut carried = *error;
         carried[EAST] += self.stretched.x * error[FACTOR] + self.turned.x * angle;
         carried[NORTH] += self.stretched.y * error[FACTOR] + self.turned.y * angle;
-        carried[HEADING] = error[HEADING] * kept + error[DRIFT] * self.drifting_s();
+        let [drifting, turned_rad] = self.by_drift();
+        carried[HEADING] = error[HEADING] * kept + error[DRIFT] * drifting + error[MISSED] * turned_rad;
         carried
     }
 
@@ -77,6 +84,9 @@ impl<'a> Motion<'a> {
         place += Matrix2::identity() * stretch.about_m2;
         covariance[(UP, UP)] += stretch.up_m2;
         covariance[(TURN, TURN)] += stretch.turn_rad2;
+        covariance[(DRIFT, DRIFT)] += stretch.drift2;
+        covariance[(IRON, IRON)] += stretch.iron_rad2;
+        covariance[(IRON + 1, IRON + 1)] += stretch.iron_rad2;
         covariance[(FACTOR, FACTOR)] += stretch.factor2;
         covariance[(BAROMETER, BAROMETER)] += stretch.barometer_m2;
         covariance[(HEADING, HEADING)] += match stretch.heading {

@@ -57,8 +57,16 @@ pub struct CarrierNoise {
     pub turn_walk_rad_sqrt_m: f64,
     /// Random walk of the heading beside what the carrier tells, rad/√s.
     pub heading_walk_rad_sqrt_s: f64,
-    /// Drift of the heading, standard deviation, rad/s.
-    pub drift_sigma_rad_s: f64,
+    /// Drift of the heading with the way, standard deviation, rad/m.
+    pub drift_sigma_rad_m: f64,
+    /// Random walk of that drift, rad/m/√m.
+    pub drift_walk_rad_m_sqrt_m: f64,
+    /// Share of every turn that the gyro misses, standard deviation.
+    pub missed_sigma: f64,
+    /// What goes with the tag and the tilt that nobody sees turn its compass by, standard deviation, rad.
+    pub iron_sigma_rad: f64,
+    /// Random walk of it, rad/√m walked.
+    pub iron_walk_rad_sqrt_m: f64,
     /// Heading of a magnetometer among steel and cables, standard deviation at least, rad.
     pub magnetic_sigma_rad: f64,
     /// Time over which the heading of a magnetometer is off in the same way, s.
@@ -94,14 +102,18 @@ impl Default for PlaceParams {
 impl CarrierNoise {
     /// Of a strapdown on the foot, held by zero velocity.
     pub const FOOT: Self = Self {
-        along_m_sqrt_m: 0.13,
-        across_m_sqrt_m: 0.17,
+        along_m_sqrt_m: 0.04,
+        across_m_sqrt_m: 0.04,
         up_m_sqrt_m: 0.02,
         standing_m_sqrt_s: 0.001,
         turn_sigma_rad: 0.05,
-        turn_walk_rad_sqrt_m: 0.0005,
+        turn_walk_rad_sqrt_m: 0.0015,
         heading_walk_rad_sqrt_s: 2e-4,
-        drift_sigma_rad_s: 1e-4,
+        drift_sigma_rad_m: 3e-4,
+        drift_walk_rad_m_sqrt_m: 3e-6,
+        missed_sigma: 0.008,
+        iron_sigma_rad: 0.04,
+        iron_walk_rad_sqrt_m: 2e-4,
         magnetic_sigma_rad: 0.05,
         magnetic_s: 30.0,
         factor_sigma: 0.01,
@@ -116,7 +128,11 @@ impl CarrierNoise {
         turn_sigma_rad: 0.17,
         turn_walk_rad_sqrt_m: 0.005,
         heading_walk_rad_sqrt_s: 1e-4,
-        drift_sigma_rad_s: 0.0,
+        drift_sigma_rad_m: 0.0,
+        drift_walk_rad_m_sqrt_m: 0.0,
+        missed_sigma: 0.0,
+        iron_sigma_rad: 0.0,
+        iron_walk_rad_sqrt_m: 0.0,
         magnetic_sigma_rad: 0.05,
         magnetic_s: 30.0,
         factor_sigma: 0.12,
@@ -141,7 +157,11 @@ impl CarrierNoise {
             ("noise.turn_sigma_rad", not_negative(self.turn_sigma_rad)),
             ("noise.turn_walk_rad_sqrt_m", not_negative(self.turn_walk_rad_sqrt_m)),
             ("noise.heading_walk_rad_sqrt_s", not_negative(self.heading_walk_rad_sqrt_s)),
-            ("noise.drift_sigma_rad_s", not_negative(self.drift_sigma_rad_s)),
+            ("noise.drift_sigma_rad_m", not_negative(self.drift_sigma_rad_m)),
+            ("noise.drift_walk_rad_m_sqrt_m", not_negative(self.drift_walk_rad_m_sqrt_m)),
+            ("noise.missed_sigma", not_negative(self.missed_sigma)),
+            ("noise.iron_sigma_rad", not_negative(self.iron_sigma_rad)),
+            ("noise.iron_walk_rad_sqrt_m", not_negative(self.iron_walk_rad_sqrt_m)),
             ("noise.magnetic_sigma_rad", not_negative(self.magnetic_sigma_rad)),
             ("noise.magnetic_s", positive(self.magnetic_s)),
             ("noise.factor_sigma", not_negative(self.factor_sigma) && self.factor_sigma <= 0.5),

@@ -1,16 +1,17 @@
 //! One hypothesis of where somebody is: state, covariance, and what each kind of observation does to them.
 //!
 //! ```text
-//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o ]
+//! x = [ p 3 | ψ | η | ρ | κ | b | c | τ | o | i 2 | s ]
 //! p ← p + (κ R(ψ + η) Δ_level, Δ_up),   R(θ) = |  cos θ  sin θ |    (θ clockwise, as headings are)
 //!                                             | −sin θ  cos θ |
-//! η ← η + ρ Δt                                  while the gyro alone holds the heading
+//! η ← η + ρ Δt + s Δθ                           while the gyro alone holds the heading; for a foot Δt is the way, in m
 //! η ← η exp(−Δt/T)                              while a magnetometer holds it
 //! ```
 //!
 //! Δ is the way of the carrier in its own frame, ψ the angle that its frame is turned by, η the error of its heading, ρ the rate at which that drifts, κ the factor of its
 //! lengths, b what the barometer's height reads too much, c what all ranges read too long, τ by how much their stamps are late, o by how much the tag hears every
-//! signal too strong. Zero velocity makes all of a strapdown but position and heading observable
+//! signal too strong, i what iron that goes with the tag (and the tilt that nobody sees) turns its compass by where it points ahead and to the left,
+//! s by what share the gyro turns too little, Δθ the turn of the carrier. Zero velocity makes all of a strapdown but position and heading observable
 //! (Nilsson, Zachariah, Skog & Händel 2013): these states are what is left. The error is truth minus estimate.
 //!
 //! An observation that is older than the state sees `p − κ R(ψ + η) Δ'`, Δ' the way since: the errors of ψ, η and κ are in it, no history is kept.
@@ -19,11 +20,12 @@ use super::motion::Motion;
 use crate::kalman::dense::propagate;
 use crate::radio::Emitter;
 use crate::radio::path_loss::{fall_db, mean_of_square_dbm};
+use adit_core::attitude::angle_difference;
 use adit_core::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// States of the error.
-pub const STATES: usize = 11;
+pub const STATES: usize = 14;
 /// East, the first of three components of the position.
 pub const EAST: usize = 0;
 /// North.
@@ -34,7 +36,7 @@ pub const UP: usize = 2;
 pub const TURN: usize = 3;
 /// η: error of the carrier's heading, rad.
 pub const HEADING: usize = 4;
-/// ρ: rate at which that drifts, rad/s.
+/// ρ: how that drifts, rad for each unit of [`Stretch::drifting`].
 pub const DRIFT: usize = 5;
 /// κ: metres walked for each metre of the carrier's.
 pub const FACTOR: usize = 6;
@@ -46,6 +48,10 @@ pub const COMMON: usize = 8;
 pub const CLOCK: usize = 9;
 /// o: by how much the tag hears every signal too strong, dB.
 pub const HEARING: usize = 10;
+/// i: what goes with the tag ahead turns its compass by, rad: the first of two, the second is to the left.
+pub const IRON: usize = 11;
+/// s: share of every turn that the gyro misses.
+pub const MISSED: usize = 13;
 
 /// The factor stays a factor.
 const FACTORS: (f64, f64) = (0.3, 3.0);
@@ -62,8 +68,10 @@ pub type Covariance = SMatrix<f64, STATES, STATES>;
 pub struct Stretch {
     /// The way in the carrier's frame (level two axes, up), m.
     pub way_m: Vector3<f64>,
-    /// How long it took, s.
-    pub interval_s: f64,
+    /// What the heading's drift counts by: s, or m walked.
+    pub drifting: f64,
+    /// By how much the carrier turned, rad clockwise.
+    pub turned_rad: f64,
     /// White error along the way, m²: of this stretch alone.
     pub along_m2: f64,
     /// White error across it, m².
@@ -76,6 +84,10 @@ pub struct Stretch {
     pub heading: HeadingError,
     /// Random walk of the turn, rad².
     pub turn_rad2: f64,
+    /// Random walk of the drift, (rad for each unit of `drifting`)².
+    pub drift2: f64,
+    /// Random walk of what goes with the tag, rad².
+    pub iron_rad2: f64,
     /// Random walk of the factor.
     pub factor2: f64,
     /// Random walk of the barometer's offset, m².
@@ -87,13 +99,16 @@ impl Stretch {
     pub fn jump(barometer_m2: f64) -> Self {
         Self {
             way_m: Vector3::zeros(),
-            interval_s: 0.0,
+            drifting: 0.0,
+            turned_rad: 0.0,
             along_m2: 0.0,
             across_m2: 0.0,
             up_m2: 0.0,
             about_m2: 0.0,
             heading: HeadingError::Gyro { walk_rad2: 0.0 },
             turn_rad2: 0.0,
+            drift2: 0.0,
+            iron_rad2: 0.0,
             factor2: 0.0,
             barometer_m2,
         }
@@ -102,7 +117,7 @@ impl Stretch {
     /// The same way walked back: random walks and what a magnetometer errs are the same in both directions of time.
     #[must_use]
     pub fn back(self) -> Self {
-        Self { way_m: -self.way_m, interval_s: -self.interval_s, ..self }
+        Self { way_m: -self.way_m, drifting: -self.drifting, turned_rad: -self.turned_rad, ..self }
     }
 }
 
@@ -170,8 +185,8 @@ pub struct State {
     pub turn_rad: f64,
     /// The part of it that is η, rad: what drifted, and what corrections gave to it.
     pub heading_rad: f64,
-    /// ρ, rad/s.
-    pub drift_rad_s: f64,
+    /// ρ, rad/s or rad/m.
+    pub drift_rad: f64,
     /// κ.
     pub factor: f64,
     /// b, m.
@@ -182,23 +197,29 @@ pub struct State {
     pub clock_s: f64,
     /// o, dB.
     pub hearing_db: f64,
+    /// i, rad.
+    pub iron_rad: Vector2<f64>,
+    /// s.
+    pub missed: f64,
     /// Covariance of the error.
     pub covariance: Covariance,
 }
 
 impl State {
-    /// At the origin of nowhere: all variances as given (m, rad, rad/s, 1, m, m, s, dB; squared).
+    /// At the origin of nowhere: all variances as given (m, rad, rad/s or rad/m, 1, m, m, s, dB, rad, 1; squared).
     pub fn new(variances: &Vector) -> Self {
         Self {
             position_m: Vector3::zeros(),
             turn_rad: 0.0,
             heading_rad: 0.0,
-            drift_rad_s: 0.0,
+            drift_rad: 0.0,
             factor: 1.0,
             barometer_m: 0.0,
             common_m: 0.0,
             clock_s: 0.0,
             hearing_db: 0.0,
+            iron_rad: Vector2::zeros(),
+            missed: 0.0,
             covariance: Covariance::from_diagonal(variances),
         }
     }
@@ -226,7 +247,7 @@ impl State {
     /// fits better when it shrinks (an inconsistent linearisation as in Huang, Mourikis & Roumeliotis 2010).
     pub fn walk_along(&mut self, stretch: &Stretch, roadway: Option<&Vector2<f64>>) -> Vector3<f64> {
         let motion = Motion::new(self, stretch, roadway);
-        let turned_rad = self.drift_rad_s * motion.drifting_s();
+        let turned_rad = motion.turned_rad(self);
         self.position_m += motion.walked_m;
         self.turn_rad += turned_rad;
         self.heading_rad += turned_rad;
@@ -241,7 +262,7 @@ impl State {
         block += covariance_m2;
     }
 
-    /// Derivative of the position before a way of the carrier by the error state: 3×11.
+    /// Derivative of the position before a way of the carrier by the error state: 3×14.
     fn before_by(&self, way_m: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
         let since = self.on_map(way_m);
         let mut by = SMatrix::<f64, 3, STATES>::zeros();
@@ -289,6 +310,24 @@ impl State {
             self.see_along((&Vector3::zeros(), &Vector3::z()), (height_m - self.barometer_m, sigma_m), way_m);
         seen.jacobian[(0, BAROMETER)] = 1.0;
         seen
+    }
+
+    /// What a compass adds to the heading of the carrier, rad: `ψ + η − i_x sin θ + i_y cos θ`, θ the direction of its body from magnetic north.
+    ///
+    /// A field m that goes with the tag lies at `(m_x sin θ − m_y cos θ)` to the magnetic east, by which over the horizontal field the needle turns clockwise.
+    pub fn see_compass(&self, offset_rad: f64, direction_rad: f64, sigma_rad: f64) -> Seen<1> {
+        let (sin, cos) = libm::sincos(direction_rad);
+        let predicted = self.turn_rad - self.iron_rad.x * sin + self.iron_rad.y * cos;
+        let mut jacobian = SMatrix::<f64, 1, STATES>::zeros();
+        jacobian[(0, TURN)] = 1.0;
+        jacobian[(0, HEADING)] = 1.0;
+        jacobian[(0, IRON)] = -sin;
+        jacobian[(0, IRON + 1)] = cos;
+        Seen {
+            residual: SVector::<f64, 1>::new(angle_difference(offset_rad, predicted)),
+            jacobian,
+            noise: SMatrix::<f64, 1, 1>::new(sigma_rad * sigma_rad),
+        }
     }
 
     /// A range to an anchor, m: `r = ‖p − v τ − a‖ + ½ tr(M P) + c + e`.
@@ -397,12 +436,14 @@ impl State {
         self.position_m += correction.fixed_rows::<3>(EAST);
         self.turn_rad += correction[TURN] + correction[HEADING];
         self.heading_rad += correction[HEADING];
-        self.drift_rad_s += correction[DRIFT];
+        self.drift_rad += correction[DRIFT];
         self.factor = (self.factor + correction[FACTOR]).clamp(FACTORS.0, FACTORS.1);
         self.barometer_m += correction[BAROMETER];
         self.common_m += correction[COMMON];
         self.clock_s += correction[CLOCK];
         self.hearing_db += correction[HEARING];
+        self.iron_rad += correction.fixed_rows::<2>(IRON);
+        self.missed += correction[MISSED];
     }
 
     /// The estimate as one vector, in the order of the error.
@@ -415,12 +456,15 @@ impl State {
             p.z,
             turn_rad,
             self.heading_rad,
-            self.drift_rad_s,
+            self.drift_rad,
             self.factor,
             self.barometer_m,
             self.common_m,
             self.clock_s,
             self.hearing_db,
+            self.iron_rad.x,
+            self.iron_rad.y,
+            self.missed,
         ])
     }
 
@@ -430,12 +474,14 @@ impl State {
             position_m: mean.fixed_rows::<3>(EAST).into_owned(),
             turn_rad: mean[TURN] + mean[HEADING],
             heading_rad: mean[HEADING],
-            drift_rad_s: mean[DRIFT],
+            drift_rad: mean[DRIFT],
             factor: mean[FACTOR],
             barometer_m: mean[BAROMETER],
             common_m: mean[COMMON],
             clock_s: mean[CLOCK],
             hearing_db: mean[HEARING],
+            iron_rad: mean.fixed_rows::<2>(IRON).into_owned(),
+            missed: mean[MISSED],
             covariance: *covariance,
         }
     }
@@ -461,7 +507,7 @@ impl State {
     /// No number has been lost.
     pub fn is_finite(&self) -> bool {
         self.position_m.iter().chain(self.covariance.iter()).all(|value| value.is_finite())
-            && [self.turn_rad, self.factor, self.barometer_m, self.common_m]
+            && [self.turn_rad, self.drift_rad, self.factor, self.barometer_m, self.common_m]
                 .iter()
                 .all(|value| value.is_finite())
     }

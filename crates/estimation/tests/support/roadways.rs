@@ -324,7 +324,7 @@ pub fn reckon(places: &[Vector3<f64>], walker: &Walker, carrier: &Carrier, draw:
         let up = if carrier.climbs { moved.z + draw.normal() * carrier.up_sqrt_m * root } else { 0.0 };
         stretches.push(Stretch {
             way_m: level.push(up),
-            interval_s: dt,
+            drifting: dt,
             along_m2: (carrier.along_sqrt_m * root).powi(2),
             across_m2: (carrier.across_sqrt_m * root).powi(2),
             up_m2: (carrier.up_sqrt_m * root).powi(2),
@@ -332,6 +332,9 @@ pub fn reckon(places: &[Vector3<f64>], walker: &Walker, carrier: &Carrier, draw:
             heading: HeadingError::Gyro { walk_rad2: carrier.heading_walk_rad_sqrt_s.powi(2) * dt },
             turn_rad2: 0.0,
             factor2: carrier.factor_walk_sqrt_m.powi(2) * length,
+            turned_rad: 0.0,
+            drift2: 0.0,
+            iron_rad2: 0.0,
             barometer_m2: 0.0,
         });
         turn += drift * dt + draw.normal() * carrier.heading_walk_rad_sqrt_s * dt.sqrt();

@@ -58,7 +58,7 @@ impl House {
             rules: Rules::default(),
             data: folder.path().to_path_buf(),
             shards: 1,
-            snapshot_every: Duration::from_secs(600),
+            snapshot_every: Duration::from_mins(10),
             retention: Retention::default(),
             mqtt: None,
         };

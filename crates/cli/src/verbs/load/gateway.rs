@@ -72,7 +72,8 @@ impl Sender {
         let (host, port) = broker.rsplit_once(':').context("--mqtt: expected HOST:PORT")?;
         let port = port.parse().with_context(|| format!("--mqtt: port \"{port}\""))?;
         let mut options = MqttOptions::new(format!("adit-load-{}", std::process::id()), host, port);
-        options.set_inflight(1000).set_max_packet_size(32 << 20, 32 << 20);
+        // The broker keeps what it has acknowledged, and the client what it has not.
+        options.set_clean_session(false).set_inflight(1000).set_max_packet_size(32 << 20, 32 << 20);
         let (client, mut events) = AsyncClient::new(options, 10);
         let waiting = Arc::new(Mutex::new(Waiting::default()));
         let acknowledged = Arc::clone(&waiting);
@@ -82,7 +83,10 @@ impl Sender {
                 let mut waiting = acknowledged.lock().unwrap_or_else(PoisonError::into_inner);
                 match event {
                     Ok(Event::Outgoing(Outgoing::Publish(id))) => {
-                        if let Some(who) = waiting.handed.pop_front() {
+                        // One that is known is sent again after the connection was lost.
+                        if !waiting.sent.contains_key(&id)
+                            && let Some(who) = waiting.handed.pop_front()
+                        {
                             waiting.sent.insert(id, who);
                         }
                     }

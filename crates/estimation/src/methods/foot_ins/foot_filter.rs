@@ -76,6 +76,16 @@ impl FootFilter {
         (interval_s > self.params.gap_s).then_some(interval_s)
     }
 
+    /// What led here is no longer corrected: the way goes on from here.
+    pub(super) fn set_origin(&mut self) {
+        self.inertial.covariance.set_origin();
+    }
+
+    /// Length of the last prediction, s.
+    pub(super) fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
     /// Carries the estimate to the time of the sample.
     pub fn predict(&mut self, imu: &ImuSample) -> Step {
         let gap = self.gap_before(imu);

@@ -45,6 +45,8 @@ pub struct FootIns {
     params: FootInsParams,
     input: FootInput,
     filter: Option<FootFilter>,
+    /// Whether the foot stood at the last sample.
+    still: bool,
     report: FootInsReport,
 }
 
@@ -116,6 +118,7 @@ impl FootIns {
             input: FootInput::new(&params.stance, params.site()),
             params,
             filter: None,
+            still: false,
             report: FootInsReport::default(),
         })
     }
@@ -157,6 +160,19 @@ impl FootIns {
         self.filter.as_ref()
     }
 
+    /// Whether the foot stood at the sample of the last solution, and the time since the one before, s.
+    pub(crate) fn last_sample(&self) -> (bool, f64) {
+        (self.still, self.filter.as_ref().map_or(0.0, FootFilter::interval_s))
+    }
+
+    /// What led here is no longer corrected, but by whom the way from here on is handed to: else the velocity of a foot that stands moves the place
+    /// by what it seems to tell of the heading, over the whole way since the start.
+    pub(crate) fn set_origin(&mut self) {
+        if let Some(filter) = &mut self.filter {
+            filter.set_origin();
+        }
+    }
+
     /// Memory of this walker's state, bytes.
     pub fn state_bytes(&self) -> usize {
         size_of::<Self>() + self.input.heap_bytes()
@@ -165,7 +181,7 @@ impl FootIns {
     /// Hands an observation on; returns the sample that is now due.
     #[inline]
     fn take(&mut self, observation: &Observation) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        let Self { params, input, filter, report } = self;
+        let Self { params, input, filter, report, .. } = self;
         match observation {
             Observation::Imu(imu) => input.take(imu, start(params, filter, report)),
             Observation::Magnetic(magnetic) => {
@@ -177,7 +193,7 @@ impl FootIns {
     }
 
     fn drain(&mut self) -> Result<Option<(ImuSample, Stance)>, MethodError> {
-        let Self { params, input, filter, report } = self;
+        let Self { params, input, filter, report, .. } = self;
         input.drain(start(params, filter, report))
     }
 
@@ -189,6 +205,7 @@ impl FootIns {
         filter.predict(imu);
         let innovation = filter.correct(imu, stance, &mut ());
         let finite = filter.is_finite();
+        self.still = stance.is_still();
         self.report.note(imu.time, gap, stance, innovation.as_ref(), finite)?;
         Ok(Some(filter.solution()))
     }

@@ -4,6 +4,7 @@ use super::method::FusedReport;
 use crate::ranging::epochs::Epoch;
 use adit_core::time::Time;
 use adit_observation::PositionFix;
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +20,9 @@ pub enum Aiding {
     /// Ranges of about one time.
     Ranges(Epoch),
     /// A position made here of signal strengths: its errors are those of the ones before it.
-    Radio(PositionFix),
+    Radio(Box<PositionFix>),
     /// A position from outside.
-    Fix(PositionFix),
+    Fix(Box<PositionFix>),
     /// A height by the barometer.
     Height {
         /// When.

@@ -1,7 +1,7 @@
 //! What carries the estimate from moment to moment: dead reckoning by what the tag itself feels.
 
+use super::foot::{Foot, Seen};
 use super::params::FusedParams;
-use crate::methods::foot_ins::FootIns;
 use crate::methods::marg_ins::MargIns;
 use crate::methods::pdr::{Direction, Pdr};
 use crate::methods::{Method, MethodError, MethodWarning};
@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 /// Dead reckoning of one kind.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub enum Carrier {
-    /// Strapdown on the foot, held by zero velocity.
-    Foot(Box<FootIns>),
+    /// Strapdown on the foot, held by zero velocity; where it has a compass, that is told beside.
+    Foot(Foot),
     /// The same with the heading of a magnetometer.
     Marg(Box<MargIns>),
     /// Steps, their length and direction.
@@ -38,7 +38,7 @@ impl Carrier {
     /// Started by the settings.
     pub fn new(kind: CarrierKind, params: &FusedParams) -> Result<Self, MethodError> {
         Ok(match kind {
-            CarrierKind::Foot => Self::Foot(Box::new(FootIns::new(params.foot.clone())?)),
+            CarrierKind::Foot => Self::Foot(Foot::new(params)?),
             CarrierKind::Marg => Self::Marg(Box::new(MargIns::new(params.marg.clone())?)),
             CarrierKind::Steps => {
                 let mut steps = params.steps.clone();
@@ -74,7 +74,7 @@ impl Carrier {
     /// Whether north is that of a magnetometer.
     pub fn is_magnetic(&self) -> bool {
         match self {
-            Self::Foot(foot) => foot.report().magnetic_heading,
+            Self::Foot(foot) => foot.is_magnetic(),
             Self::Marg(marg) => marg.report().magnetic_heading,
             Self::Steps(steps) => steps.report().magnetic_heading,
         }
@@ -85,10 +85,42 @@ impl Carrier {
         !matches!(self, Self::Foot(_)) && self.is_magnetic()
     }
 
+    /// Its heading when it stood last, rad, where a gyro alone holds it.
+    pub fn heading_rad(&self) -> f64 {
+        match self {
+            Self::Foot(foot) => foot.heading_rad,
+            Self::Marg(_) | Self::Steps(_) => 0.0,
+        }
+    }
+
+    /// Somebody else holds place and heading.
+    #[inline]
+    pub fn hand_over(&mut self) {
+        if let Self::Foot(foot) = self {
+            foot.hand_over();
+        }
+    }
+
+    /// A heading that its compass has just told beside, once.
+    #[inline]
+    pub fn seen(&mut self) -> Option<Seen> {
+        match self {
+            Self::Foot(foot) => foot.seen(),
+            Self::Marg(_) | Self::Steps(_) => None,
+        }
+    }
+
+    /// Hears by how much that was off, rad, and of which variance that was to be expected without its own noise, rad².
+    pub fn note(&mut self, seen: &Seen, off_rad: f64, expected_rad2: f64) {
+        if let Self::Foot(foot) = self {
+            foot.note(seen, off_rad, expected_rad2);
+        }
+    }
+
     /// What its own run has to say.
     pub fn warnings(&self) -> &[MethodWarning] {
         match self {
-            Self::Foot(foot) => &foot.report().warnings,
+            Self::Foot(foot) => &foot.ins.report().warnings,
             Self::Marg(marg) => &marg.report().warnings,
             Self::Steps(steps) => &steps.report().warnings,
         }

@@ -102,7 +102,9 @@ impl Evidence {
             (Some(first), Some(latest)) => (latest - first).seconds(),
             _ => 0.0,
         };
-        let foot = if self.magnetic && params.compass { CarrierKind::Marg } else { CarrierKind::Foot };
+        // Where there is a site its place tells what the compass errs.
+        let alone = self.magnetic && params.compass && params.site.is_none();
+        let foot = if alone { CarrierKind::Marg } else { CarrierKind::Foot };
         if self.inertial == 0 {
             return if self.ranges { Process::Ranges } else { Process::Signals };
         }

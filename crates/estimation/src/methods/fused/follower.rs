@@ -45,6 +45,8 @@ const FOOT_M: f64 = 0.1;
 const LEAST_HEIGHT_M: f64 = 0.01;
 /// A solution of a carrier after longer than this is a gap, s.
 const GAP_S: f64 = 3.5;
+/// Longest time between two moves of the place that is no hole in the log, s.
+const HOLE_S: f64 = 0.3;
 /// Speed over a gap, standard deviation, m/s.
 const GAP_SPEED_M_S: f64 = 1.0;
 
@@ -96,12 +98,14 @@ pub(super) struct Walked {
     /// The carrier's place in its own frame, m.
     pub way_m: Vector3<f64>,
     heading_rad2: f64,
+    /// The carrier's heading when it stood last, rad.
+    pub heading_rad: f64,
 }
 
 impl Walked {
-    /// At a solution of the carrier.
-    pub fn of(now: &Solution) -> Self {
-        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)] }
+    /// At a solution of the carrier, which stood last with this heading (rad).
+    pub fn of(now: &Solution, heading_rad: f64) -> Self {
+        Self { time: now.time, way_m: now.position_m, heading_rad2: now.covariance[(8, 8)], heading_rad }
     }
 }
 
@@ -181,7 +185,9 @@ impl Follower {
                     self.waiting.push(Aiding::Signal { time, transmitter, rssi_dbm }, report);
                 }
             }
-            Observation::Fix(fix) if fix.fault().is_none() => self.waiting.push(Aiding::Fix(*fix), report),
+            Observation::Fix(fix) if fix.fault().is_none() => {
+                self.waiting.push(Aiding::Fix(Box::new(*fix)), report);
+            }
             Observation::Pressure(pressure) => {
                 let first_pa = *self.pressure_pa.get_or_insert(pressure.pressure_pa);
                 let soon = |before: Time| (pressure.time - before).seconds() < HEIGHTS_S;
@@ -213,7 +219,7 @@ impl Follower {
             && !alone
         {
             while let Some(fix) = radio.due(observation.time()) {
-                self.waiting.push(Aiding::Radio(fix), report);
+                self.waiting.push(Aiding::Radio(Box::new(fix)), report);
             }
         }
     }
@@ -224,7 +230,7 @@ impl Follower {
             self.waiting.push(Aiding::Ranges(epoch), report);
         }
         while let Some(fix) = self.radio.as_mut().and_then(|radio| radio.finish()) {
-            self.waiting.push(Aiding::Radio(fix), report);
+            self.waiting.push(Aiding::Radio(Box::new(fix)), report);
         }
         report.ranges = self.ranges.as_ref().map(|ranges| ranges.heard().clone());
         report.signals = self.radio.as_ref().map(|radio| radio.report().clone());
@@ -250,7 +256,7 @@ impl Follower {
     /// The carrier has come to a place in its own frame; gives where that is on the map.
     pub fn reckon(
         &mut self,
-        carrier: &Carrier,
+        carrier: &mut Carrier,
         now: Solution,
         report: &mut FusedReport,
     ) -> Result<Option<Solution>, MethodError> {
@@ -265,6 +271,12 @@ impl Follower {
             self.walk(carrier);
             self.estimate = None;
         }
+        if self.is_placed() {
+            carrier.hand_over();
+        }
+        if let Some(seen) = carrier.seen() {
+            self.hold_compass(carrier, &seen, report);
+        }
         while let Some(aiding) = self.waiting.pop(time) {
             self.hold(carrier, &aiding, report);
             self.estimate = None;
@@ -273,9 +285,9 @@ impl Follower {
     }
 
     /// The bank moves along the carrier's way to its last solution.
-    fn walk(&mut self, carrier: &Carrier) {
+    pub(super) fn walk(&mut self, carrier: &Carrier) {
         let Some(now) = &self.reckoned else { return };
-        let to = Walked::of(now);
+        let to = Walked::of(now, carrier.heading_rad());
         let Some(from) = self.walked.replace(to) else { return };
         if !self.is_placed() {
             return;
@@ -295,20 +307,24 @@ impl Follower {
             let least_rad2 = noise.magnetic_sigma_rad * noise.magnetic_sigma_rad;
             HeadingError::Magnetic { variance_rad2: to.heading_rad2.max(least_rad2), kept }
         } else {
-            let grown = (to.heading_rad2 - from.heading_rad2).max(0.0);
-            HeadingError::Gyro { walk_rad2: grown + rest(noise.heading_walk_rad_sqrt_s) }
+            // What a stride adds is in the noise by the way; what a hole in the log adds is not.
+            let hole = if interval_s > HOLE_S { to.heading_rad2 - from.heading_rad2 } else { 0.0 };
+            HeadingError::Gyro { walk_rad2: hole.max(0.0) + rest(noise.heading_walk_rad_sqrt_s) }
         };
         let gap_s = (interval_s - GAP_S).max(0.0);
         let moved = GAP_SPEED_M_S * gap_s;
         Stretch {
             way_m,
-            interval_s,
+            drifting: length_m,
+            turned_rad: attitude::angle_difference(to.heading_rad, from.heading_rad),
             along_m2: walk(noise.along_m_sqrt_m),
             across_m2: walk(noise.across_m_sqrt_m),
             up_m2: walk(noise.up_m_sqrt_m),
             about_m2: rest(noise.standing_m_sqrt_s) + moved * moved,
             heading,
             turn_rad2: walk(noise.turn_walk_rad_sqrt_m),
+            drift2: walk(noise.drift_walk_rad_m_sqrt_m),
+            iron_rad2: walk(noise.iron_walk_rad_sqrt_m),
             factor2: walk(noise.factor_walk_sqrt_m),
             barometer_m2: rest(self.params.weather_m_sqrt_s),
         }

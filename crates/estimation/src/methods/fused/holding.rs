@@ -3,9 +3,10 @@
 use super::aiding::Aiding;
 use super::carrier::Carrier;
 use super::follower::Follower;
+use super::foot::Seen;
 use super::method::FusedReport;
 use crate::place::params::PlaceParams;
-use crate::place::state::{Back, EAST, NORTH, Stretch, UP};
+use crate::place::state::{Back, EAST, NORTH, State, Stretch, UP};
 use crate::ranging::listener::Link;
 use crate::ranging::{Ranged, RangingFix};
 use adit_core::nalgebra::Vector3;
@@ -46,7 +47,7 @@ impl Follower {
             Aiding::Radio(fix) => {
                 let way_m = self.trail.at(fix.time).unwrap_or_default().xy();
                 let weighed = self.radio.as_mut().map(|radio| radio.weigh(fix, &way_m).0);
-                self.hold_fix(carrier, &weighed.unwrap_or(*fix), &back, report);
+                self.hold_fix(carrier, &weighed.unwrap_or(**fix), &back, report);
             }
             Aiding::Fix(fix) => self.hold_fix(carrier, fix, &back, report),
             Aiding::Height { time, height_m } => self.hold_height(*time, *height_m, &back),
@@ -72,6 +73,23 @@ impl Follower {
         self.height = Some((time, height_m));
         let sigma_m = self.params.barometer_sigma_m;
         self.bank.take(|state| state.see_height(height_m, sigma_m, &back.way_m), self.params.nis_bound);
+    }
+
+    /// A heading of a compass on a foot that stands.
+    pub(super) fn hold_compass(&mut self, carrier: &mut Carrier, seen: &Seen, report: &mut FusedReport) {
+        let Some(sigma_rad) = seen.sigma_rad else { return };
+        self.walk(carrier);
+        self.estimate = None;
+        let Some(best) = self.bank.best() else { return };
+        let bound = self.params.nis_bound;
+        let offset_rad = seen.sighting.heading_offset_rad;
+        let see = |state: &State| state.see_compass(offset_rad, seen.direction_rad, sigma_rad);
+        let (known, expected) = (&best.state, see(&best.state));
+        let expected_rad2 = (expected.jacobian * known.covariance * expected.jacobian.transpose())[(0, 0)];
+        if let Some(taken) = self.bank.take(see, bound) {
+            report.note(taken.nis, 1, taken.widened);
+            carrier.note(seen, expected.residual[0], expected_rad2);
+        }
     }
 
     /// A signal strength.

@@ -1,7 +1,7 @@
 //! `fused`: one estimator for everything at hand.
 //!
 //! ```text
-//!                  ┌ foot: strapdown with zero velocity (foot_ins, marg_ins) ┐
+//!                  ┌ foot: strapdown with zero velocity, a compass beside it ┐
 //! log → evidence ──┼ body: steps (pdr)                                       ├→ follower: place, heading, scale … held by ranges, signal
 //!                  │                                                         ┘   strengths, fixes, barometer, portals, roadways (place)
 //!                  ├ strapdown between fixes, of a sensor too slow for steps (ins_wifi)
@@ -21,6 +21,7 @@ mod carrier;
 mod ears;
 mod evidence;
 mod follower;
+mod foot;
 mod holding;
 mod method;
 mod params;

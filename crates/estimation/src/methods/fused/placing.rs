@@ -4,7 +4,8 @@ use super::carrier::Carrier;
 use super::follower::Follower;
 use crate::methods::pdr::search::{FOUND_RAD, Found, UNKNOWN_RAD};
 use crate::place::state::{
-    BAROMETER, Back, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, NORTH, State, TURN, UP, Vector,
+    BAROMETER, Back, CLOCK, COMMON, DRIFT, EAST, FACTOR, HEADING, HEARING, IRON, MISSED, NORTH, State, TURN,
+    UP, Vector,
 };
 use adit_core::attitude;
 use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
@@ -43,7 +44,10 @@ impl Follower {
         let mut sigmas = Vector::zeros();
         sigmas[UP] = ANY_HEIGHT_M;
         sigmas[TURN] = turn;
-        sigmas[DRIFT] = if carrier.is_held_magnetic() { 0.0 } else { noise.drift_sigma_rad_s };
+        sigmas[DRIFT] = if carrier.is_held_magnetic() { 0.0 } else { noise.drift_sigma_rad_m };
+        sigmas[MISSED] = noise.missed_sigma;
+        sigmas[IRON] = noise.iron_sigma_rad;
+        sigmas[IRON + 1] = noise.iron_sigma_rad;
         sigmas[FACTOR] = noise.factor_sigma;
         sigmas[BAROMETER] = ANY_HEIGHT_M;
         sigmas[COMMON] = self.params.common_offset_sigma_m;

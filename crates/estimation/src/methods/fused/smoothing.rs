@@ -160,7 +160,7 @@ impl Run {
             self.reckoned.push((now.clone(), None));
         }
         self.follower.bank.at(self.reckoned.len() - 1);
-        let told = self.follower.reckon(&self.carrier, now, &mut self.report)?;
+        let told = self.follower.reckon(&mut self.carrier, now, &mut self.report)?;
         if let (Some(told), Some((_, quality))) = (told, self.reckoned.last_mut()) {
             *quality = Some(told.quality);
         }
@@ -176,7 +176,7 @@ impl Run {
             segment.smooth(|at, state| {
                 // What the carrier told at an instant is gone once its place on the map is.
                 let known = later.as_ref().or(first.as_ref()).filter(|known| known.at == at);
-                let there = known.map_or_else(|| Walked::of(&self.reckoned[at].0), |known| known.there);
+                let there = known.map_or_else(|| Walked::of(&self.reckoned[at].0, 0.0), |known| known.there);
                 let node = Node { at, there, state };
                 let end = later.as_ref().map_or(until, |later| later.at.min(until));
                 for (reckoned, _) in self.reckoned.iter_mut().take(end).skip(at) {
@@ -210,7 +210,7 @@ impl Run {
     fn before(&mut self, first: Node) {
         let Node { at, mut there, mut state } = first;
         for index in (0..at).rev() {
-            let here = Walked::of(&self.reckoned[index].0);
+            let here = Walked::of(&self.reckoned[index].0, there.heading_rad);
             if there.time - here.time >= TICK || index == 0 {
                 state.walk(&self.follower.stretch(&self.carrier, &here, &there).back());
                 there = here;

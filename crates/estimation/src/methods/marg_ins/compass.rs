@@ -10,7 +10,7 @@ use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 /// Heading of which nothing is known, standard deviation, rad: as much as a linear update can carry.
-pub(super) const UNKNOWN_HEADING_RAD: f64 = 1.0;
+pub(crate) const UNKNOWN_HEADING_RAD: f64 = 1.0;
 /// Readings wait no longer than this; the detector delays samples by less.
 const LONGEST_WAIT_S: i64 = 30;
 /// A stance ends when the foot has moved for this long, s.
@@ -20,7 +20,7 @@ const AGAIN_S: f64 = 0.5;
 
 /// Readings on their way to a heading.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Compass {
+pub(crate) struct Compass {
     waiting: VecDeque<MagneticSample>,
     /// The newest reading that is due, for a filter that begins in motion.
     latest: Option<MagneticSample>,
@@ -198,14 +198,18 @@ impl Compass {
         sigma_rad: f64,
         params: &MargInsParams,
     ) -> Option<f64> {
-        let place_m = params.heading.place_m;
-        let moved = self.used_at_m.is_none_or(|used| (position_m - used).norm_squared() >= place_m * place_m);
-        if moved {
+        if self.is_new(position_m, params) {
             return Some(sigma_rad);
         }
         let variance = sigma_rad * sigma_rad;
         let gained = predicted - variance;
         (gained > 0.0).then(|| libm::sqrt(variance * predicted / gained))
+    }
+
+    /// Whether this is another place than that of the last heading that was used.
+    pub fn is_new(&self, position_m: &Vector3<f64>, params: &MargInsParams) -> bool {
+        let place_m = params.heading.place_m;
+        self.used_at_m.is_none_or(|used| (position_m - used).norm_squared() >= place_m * place_m)
     }
 
     /// Hears what became of a heading; returns the offset of the estimate when a refused field has proven right.
@@ -251,7 +255,7 @@ impl Compass {
 
 /// What became of a heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(crate) enum Outcome {
     /// It corrected the estimate.
     Used,
     /// It agreed with the estimate and said nothing new.

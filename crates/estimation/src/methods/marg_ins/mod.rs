@@ -15,7 +15,7 @@
 //! Frames: local level ENU, z up, origin at the first sample; north is true north when the declination is given, else
 //! magnetic north. Without a magnetometer the body's x axis is north.
 
-mod compass;
+pub(crate) mod compass;
 mod marg_filter;
 mod method;
 mod params;

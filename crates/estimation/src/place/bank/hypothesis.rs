@@ -256,29 +256,7 @@ impl Hypothesis {
 
     /// The nearest place in the air, where it is held to a roadway or chamber, m.
     pub(super) fn in_air(&self, roadways: Option<&Roadways>) -> Vector3<f64> {
-        let here = self.state.position_m;
-        let upright = |level: Vector2<f64>, floor_m: f64, height_m: f64| {
-            level.push(here[UP].clamp(floor_m, floor_m + height_m))
-        };
-        match (self.place, roadways) {
-            (Place::Piece(index), Some(roadways)) => roadways.piece(index).map_or(here, |piece| {
-                let on = piece.on(&here.xy());
-                let [before_m, behind_m] = [0, 1].map(|end| room_at(roadways, piece, end));
-                let along_m = on.along_m.clamp(-before_m, piece.length_m + behind_m);
-                // Beyond an end the roadway is round.
-                let on_line_m = along_m.clamp(0.0, piece.length_m);
-                let (half_m, beyond_m) = (piece.half_width_m, along_m - on_line_m);
-                let aside_m = libm::sqrt((half_m * half_m - beyond_m * beyond_m).max(0.0));
-                let place = piece.at(along_m).xy() + piece.left() * on.left_m.clamp(-aside_m, aside_m);
-                upright(place, piece.floor_m(on_line_m), piece.height_m)
-            }),
-            (Place::Chamber(index), Some(roadways)) => roadways.chamber(index).map_or(here, |room| {
-                let inside = room.contains(&here.xy());
-                let place = if inside { here.xy() } else { room.wall(&here.xy()) };
-                upright(place, room.floor_m, room.height_m)
-            }),
-            _ => here,
-        }
+        in_air(self.place, self.state.position_m, roadways)
     }
 
     /// Both are in one place by their states and go along one line: what tells them apart is small beside what they do not know.
@@ -318,6 +296,50 @@ impl Held {
         self.log_likelihood += other.log_likelihood;
         self.strain = self.strain.max(other.strain);
     }
+}
+
+/// The nearest place to another in the air of a roadway or chamber, m; off the map every place is.
+pub(super) fn in_air(place: Place, here: Vector3<f64>, roadways: Option<&Roadways>) -> Vector3<f64> {
+    let upright = |level: Vector2<f64>, floor_m: f64, height_m: f64| {
+        level.push(here[UP].clamp(floor_m, floor_m + height_m))
+    };
+    match (place, roadways) {
+        (Place::Piece(index), Some(roadways)) => roadways.piece(index).map_or(here, |piece| {
+            let on = piece.on(&here.xy());
+            let [before_m, behind_m] = [0, 1].map(|end| room_at(roadways, piece, end));
+            let along_m = on.along_m.clamp(-before_m, piece.length_m + behind_m);
+            // Beyond an end the roadway is round.
+            let on_line_m = along_m.clamp(0.0, piece.length_m);
+            let (half_m, beyond_m) = (piece.half_width_m, along_m - on_line_m);
+            let aside_m = libm::sqrt((half_m * half_m - beyond_m * beyond_m).max(0.0));
+            let place = piece.at(along_m).xy() + piece.left() * on.left_m.clamp(-aside_m, aside_m);
+            upright(place, piece.floor_m(on_line_m), piece.height_m)
+        }),
+        (Place::Chamber(index), Some(roadways)) => roadways.chamber(index).map_or(here, |room| {
+            let inside = room.contains(&here.xy());
+            let place = if inside { here.xy() } else { room.wall(&here.xy()) };
+            upright(place, room.floor_m, room.height_m)
+        }),
+        _ => here,
+    }
+}
+
+/// The air that is nearest to a place which is not in that of its roadway: perhaps that of the next one. Gives it and what it is of.
+pub(super) fn nearest_air(
+    place: Place,
+    here: Vector3<f64>,
+    roadways: Option<&Roadways>,
+) -> (Vector3<f64>, Place) {
+    let own_m = in_air(place, here, roadways);
+    let off_m = (own_m - here).norm();
+    let (Some(roadways), true) = (roadways, off_m > 0.0) else { return (own_m, place) };
+    let others = roadways.within(&here.xy(), off_m).into_iter().map(|index| {
+        let other = Place::Piece(index);
+        (in_air(other, here, Some(roadways)), other)
+    });
+    let far = |(air_m, _): &(Vector3<f64>, Place)| (air_m - here).norm();
+    let nearest = others.min_by(|a, b| far(a).total_cmp(&far(b)));
+    nearest.filter(|nearest| far(nearest) < off_m).unwrap_or((own_m, place))
 }
 
 /// The piece that carries a roadway on beyond an end of one of its pieces: the straightest.

@@ -1,14 +1,13 @@
 //! The mixture that the hypotheses are: weights, merging, what is reported of it.
 
+use super::hypothesis::nearest_air;
 use super::{Bank, Hypothesis, Place};
 use crate::place::roadways::Roadways;
 use crate::place::state::{EAST, State};
-use adit_core::nalgebra::{Matrix3, Vector3};
+use adit_core::nalgebra::{Matrix2, Matrix3, Vector3};
 use adit_core::solution::radius_95_m;
 use serde::{Deserialize, Serialize};
 
-/// Hypotheses for which room is kept beside those that there are.
-const SPARE: usize = 2;
 /// Logarithm of the weight below which a hypothesis is dropped.
 const DROPPED: f64 = -12.0;
 /// What somebody off the map weighs at first where the map fits badly, as a logarithm.
@@ -17,6 +16,14 @@ pub(super) const OFF_SHARE: f64 = -3.0;
 const BAD_START: f64 = 9.0;
 /// Distance that 95 % of a normal distribution on a line are within, squared, in variances.
 const LINE_95: f64 = 3.841_458_820_694_124;
+
+/// A place no farther than this beside its roadway is still on that, however sure it is, m.
+const OUT_M: f64 = 0.25;
+
+/// Within this radius fixes hold a place, m: dead reckoning alone exceeds it within some ten metres.
+const HELD_M: f64 = 0.5;
+/// The longest step of what is told, in radii that were told before: a carrier's own step comes to it.
+const MOST_STEP: f64 = 0.9;
 
 /// What a bank says of where somebody is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -45,28 +52,31 @@ pub struct Reported {
 
 impl Bank {
     /// Where somebody is. The place of one hypothesis is reported, with the second moment of all about it, so that its radius holds the others too; another is reported
-    /// when it weighs more **and** the radius that was stated last reaches it. Until then the radius grows and the place stays with the old one: no jump is larger than the
-    /// radius stated before it.
+    /// when it weighs more **and** the radius that was stated last reaches it. Until then the radius grows and the place walks on with the old one. The same holds of one hypothesis
+    /// that is corrected: no jump is larger than the radius stated before it.
     pub fn estimate(&mut self) -> Option<Estimate> {
         let roadways = self.roadways.as_deref();
         let best = self.hypotheses.get(self.most_likely()?)?;
-        let of_best = best.in_air(roadways);
+        let (of_best, on_best) = best.told(roadways);
         let last = self.reported;
         let kept = last.and_then(|last| self.hypotheses.iter().find(|known| known.id == last.id));
-        let (shown, position_m) = match (last, kept) {
-            (None, _) => (best, of_best),
-            (Some(last), Some(kept)) => {
-                let of_kept = kept.in_air(roadways);
-                if (of_best - of_kept).xy().norm() <= last.radius_m {
-                    (best, of_best)
-                } else {
-                    (kept, of_kept)
-                }
+        let reaches = |place_m: &Vector3<f64>| {
+            let step_m = |last: Reported| (place_m - last.position_m).xy().norm();
+            last.is_none_or(|last| step_m(last) <= MOST_STEP * last.radius_m)
+        };
+        let of_kept = kept.map(|kept| (kept, kept.told(roadways)));
+        let (shown, (position_m, place)) = match (last, of_kept) {
+            _ if reaches(&of_best) => (best, (of_best, on_best)),
+            (_, Some(of_kept)) if reaches(&of_kept.1.0) => of_kept,
+            // Corners are rounder than the map has them, which only fixes can tell.
+            _ if best.is_held() && reaches(&best.state.position_m) => {
+                (best, (best.at_height(of_best.z), on_best))
             }
-            (Some(last), None) => {
-                let reached = (of_best - last.position_m).xy().norm() <= last.radius_m;
-                (best, if reached { of_best } else { last.position_m })
+            (Some(last), _) => {
+                let shown = kept.unwrap_or(best);
+                (shown, nearest_air(shown.place, last.position_m, roadways))
             }
+            (None, _) => (best, (of_best, on_best)),
         };
         let mut covariance_m2 = Matrix3::zeros();
         for hypothesis in &self.hypotheses {
@@ -74,8 +84,9 @@ impl Bank {
             let about = hypothesis.state.position_covariance_m2() + off * off.transpose();
             covariance_m2 += about * hypothesis.weight();
         }
-        let level = |matrix: &Matrix3<f64>| matrix.fixed_view::<2, 2>(EAST, EAST).into_owned();
-        let jump: Vector3<f64> = of_best - position_m;
+        // As it is it is where it goes: only who is told elsewhere has a step before him.
+        let as_it_is = position_m.xy() == best.state.position_m.xy();
+        let jump: Vector3<f64> = if as_it_is { Vector3::zeros() } else { of_best - position_m };
         let mut radius_m = radius_95_m(&level(&covariance_m2));
         if jump.xy().norm() > radius_m {
             // Whatever the weights: where it will go next is inside.
@@ -85,7 +96,7 @@ impl Bank {
         let estimate = Estimate {
             position_m,
             covariance_m2,
-            place: shown.place,
+            place,
             hypotheses: self.hypotheses.len(),
             share: shown.weight(),
             lost: self.lost,
@@ -158,7 +169,7 @@ impl Bank {
         let highest = self.hypotheses[best].log_weight;
         let reported = self.reported.map(|reported| reported.id);
         self.hypotheses.retain(|known| known.log_weight - highest > DROPPED || Some(known.id) == reported);
-        self.hypotheses.shrink_to(self.hypotheses.len() + SPARE);
+        self.hypotheses.shrink_to_fit();
         let sum: f64 = self.hypotheses.iter().map(|known| libm::exp(known.log_weight - highest)).sum();
         let norm = highest + libm::log(sum);
         for hypothesis in &mut self.hypotheses {
@@ -198,7 +209,29 @@ impl Bank {
     }
 }
 
+fn level(matrix: &Matrix3<f64>) -> Matrix2<f64> {
+    matrix.fixed_view::<2, 2>(EAST, EAST).into_owned()
+}
+
 impl Hypothesis {
+    /// What is told of it: the nearest place in the air of its roadway; of another, where it has left its own farther than it is uncertain and is about to be found there.
+    fn told(&self, roadways: Option<&Roadways>) -> (Vector3<f64>, Place) {
+        let (here, air) = (self.state.position_m, self.in_air(roadways));
+        let reach_m = radius_95_m(&level(&self.state.position_covariance_m2())).max(OUT_M);
+        let left = (air - here).xy().norm() > reach_m;
+        if left { nearest_air(self.place, here, roadways) } else { (air, self.place) }
+    }
+
+    /// Fixes hold it.
+    fn is_held(&self) -> bool {
+        radius_95_m(&level(&self.state.position_covariance_m2())) < HELD_M
+    }
+
+    /// Its place on the map, at this height, m.
+    fn at_height(&self, up_m: f64) -> Vector3<f64> {
+        self.state.position_m.xy().push(up_m)
+    }
+
     /// Takes another in, so that mean and covariance stay those of the two (Salmond 1990; Runnalls 2007, eq. 2–4).
     fn join(&mut self, other: &Self) {
         let (a, b) = (self.weight(), other.weight());

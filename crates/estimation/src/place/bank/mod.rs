@@ -195,7 +195,10 @@ impl Bank {
     /// Takes a stretch of the carrier's way.
     pub fn walk(&mut self, stretch: &Stretch) {
         let roadways = self.roadways.as_deref();
-        for hypothesis in &mut self.hypotheses {
+        let reported = self.reported.map(|reported| reported.id);
+        let goes = self.hypotheses.iter().position(|known| Some(known.id) == reported);
+        let goes = goes.or_else(|| self.most_likely());
+        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
             let piece = match (hypothesis.place, roadways) {
                 (Place::Piece(index), Some(roadways)) => roadways.piece(index),
                 _ => None,
@@ -203,6 +206,10 @@ impl Bank {
             let roadway = piece.map(|piece| &piece.direction);
             let before = self.recorder.as_ref().map(|_| hypothesis.state.clone());
             let walked = hypothesis.state.walk_along(stretch, roadway);
+            if let Some(reported) = self.reported.as_mut().filter(|_| Some(index) == goes) {
+                // The place told last goes on with the one that it was of.
+                reported.position_m += walked;
+            }
             if self.params.level_way
                 && let Some(piece) = piece
             {
