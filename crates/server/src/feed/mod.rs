@@ -172,11 +172,6 @@ impl Feed {
         self.newest.send_replace(board.newest);
     }
 
-    /// A tag that is no more is not told any more.
-    pub fn forget(&self, tag: &str) {
-        self.board().last.remove(tag);
-    }
-
     /// The newest numbers.
     pub fn newest(&self) -> Newest {
         self.board().newest
