@@ -93,7 +93,13 @@ impl Drop for Served {
 /// A load that runs beside; its report.
 fn load(url: &str, token: &str, arguments: &[&str]) -> Child {
     let mut command = adit();
-    command.arg("load").arg(url).arg("--mine").arg(mine()).args(["--json", "-", "--walkers", "2"]).args(arguments);
+    command
+        .arg("load")
+        .arg(url)
+        .arg("--mine")
+        .arg(mine())
+        .args(["--json", "-", "--walkers", "2"])
+        .args(arguments);
     command.env("ADIT_TOKEN", token).stdout(Stdio::piped()).stderr(Stdio::inherit());
     command.spawn().unwrap()
 }
@@ -112,7 +118,8 @@ async fn a_load_comes_through_and_nothing_is_lost() {
     let folder = tempfile::tempdir().unwrap();
     let served = Served::start(folder.path(), None, "127.0.0.1:0");
     let token = served.token().await;
-    let report = report(load(&served.url, &token, &["--tags", "20", "--seconds", "15", "--per-gateway", "5"]));
+    let report =
+        report(load(&served.url, &token, &["--tags", "20", "--seconds", "15", "--per-gateway", "5"]));
     assert_eq!((&report["packets"], &report["lost_packets"]), (&json!(300), &json!(0)), "{report}");
     assert_eq!(report["failed_tries"], json!(0), "{report}");
     assert!(report["position"]["count"].as_u64().unwrap() > 50, "{report}");
@@ -180,7 +187,13 @@ impl Broker {
     fn spawn(folder: &Path) -> Option<Child> {
         let config = folder.join("mosquitto.conf");
         let started = |program: &str| {
-            Command::new(program).arg("-c").arg(&config).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
+            Command::new(program)
+                .arg("-c")
+                .arg(&config)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .ok()
         };
         started("mosquitto").or_else(|| started("/usr/sbin/mosquitto"))
     }
@@ -208,12 +221,17 @@ async fn by_a_broker_that_goes_away_nothing_is_lost() {
     let Some(mut broker) = Broker::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     let config = folder.path().join("adit.toml");
-    let text = format!("[site]\nname = \"north\"\nmine = \"{}\"\n[mqtt]\nport = {}\n", mine().display(), broker.port);
+    let text = format!(
+        "[site]\nname = \"north\"\nmine = \"{}\"\n[mqtt]\nport = {}\n",
+        mine().display(),
+        broker.port
+    );
     std::fs::write(&config, text).unwrap();
     let served = Served::start(folder.path(), Some(&config), "127.0.0.1:0");
     let token = served.token().await;
     let (seconds, address) = ((away + 15).to_string(), format!("127.0.0.1:{}", broker.port));
-    let arguments = ["--tags", "20", "--seconds", &seconds, "--per-gateway", "5", "--mqtt", &address, "--site", "north"];
+    let arguments =
+        ["--tags", "20", "--seconds", &seconds, "--per-gateway", "5", "--mqtt", &address, "--site", "north"];
     let load = load(&served.url, &token, &arguments);
     tokio::time::sleep(Duration::from_secs(8)).await;
     broker.restart(Duration::from_secs(away)).await;

@@ -47,7 +47,8 @@ fn split(settings: &FusedParams, log: &[Observation], parts: usize) -> Vec<Strin
     let (mut method, mut solutions) = (Fused::new(settings.clone()).unwrap(), Vec::new());
     for part in log.chunks(log.len() / parts) {
         feed(&mut method, part, &mut solutions);
-        let kept = serde_json::to_string(&method).unwrap();
+        let kept = serde_json::to_string(&method.detached()).unwrap();
+        assert!(kept.len() < 300_000, "{} bytes", kept.len());
         method = serde_json::from_str(&kept).unwrap();
         method.attach(settings).unwrap();
     }

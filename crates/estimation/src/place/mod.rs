@@ -7,4 +7,5 @@ pub mod params;
 pub mod roadways;
 pub mod smoother;
 pub mod state;
+mod stretch;
 pub mod trail;

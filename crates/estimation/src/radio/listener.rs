@@ -18,7 +18,8 @@ const MOST_NAMES: usize = 100;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Listener {
     scanner: Scanner,
-    locator: Arc<Locator>,
+    /// `None` while it is kept: what belongs to the site is kept once, there.
+    locator: Option<Arc<Locator>>,
     heard: HeardReport,
 }
 
@@ -55,7 +56,11 @@ impl Listener {
         let site =
             site.ok_or(MethodError::NoRadio { method, needs: "the radio of the site (--mine or --radio)" })?;
         let locator = Locator::new(site, locator).map_err(|needs| MethodError::NoRadio { method, needs })?;
-        Ok(Self { scanner: Scanner::new(scan), locator: Arc::new(locator), heard: HeardReport::default() })
+        Ok(Self {
+            scanner: Scanner::new(scan),
+            locator: Some(Arc::new(locator)),
+            heard: HeardReport::default(),
+        })
     }
 
     /// Takes a signal.
@@ -71,7 +76,7 @@ impl Listener {
     /// Counts a signal of which nothing is made; tells whether its transmitter is known.
     pub fn count(&mut self, signal: &SignalStrength) -> bool {
         self.heard.signals += 1;
-        if !self.locator.knows(&signal.transmitter) {
+        if !self.locator.as_ref().is_some_and(|locator| locator.knows(&signal.transmitter)) {
             self.heard.unknown_signals += 1;
             let unknown = &mut self.heard.unknown_transmitters;
             if unknown.len() < MOST_NAMES && !unknown.contains(&signal.transmitter) {
@@ -89,7 +94,12 @@ impl Listener {
 
     /// Takes the locator of another listener at the same site for its own, which is the same: one that was read back has a copy.
     pub fn share(&mut self, other: &Self) {
-        self.locator = Arc::clone(&other.locator);
+        self.locator.clone_from(&other.locator);
+    }
+
+    /// Gives up what belongs to the site, until [`Self::share`].
+    pub fn detach(&mut self) {
+        self.locator = None;
     }
 
     /// Time has come to `now`.
@@ -124,7 +134,7 @@ impl Listener {
 
     fn fix(&mut self, scan: &super::scan::Scan) -> Option<PositionFix> {
         self.heard.scans += 1;
-        let fix = self.locator.locate(scan)?;
+        let fix = self.locator.as_ref()?.locate(scan)?;
         let source = match scan.radio {
             Radio::Wifi => FixSource::Wifi,
             Radio::Ble => FixSource::Bluetooth,

@@ -142,6 +142,12 @@ impl RangeListener {
         self.correction.clone_from(&other.correction);
     }
 
+    /// Gives up what belongs to the site, until [`Self::share`].
+    pub fn detach(&mut self) {
+        self.anchors = Arc::default();
+        self.correction = None;
+    }
+
     /// Takes an observation of any kind.
     #[inline]
     pub fn observe(&mut self, observation: &Observation) {

@@ -104,6 +104,16 @@ estimators! {
 }
 
 impl Estimator {
+    /// Without what all tags of a site have in common: to be kept, and to go on after [`Self::attach`].
+    #[must_use]
+    pub fn detached(self) -> Self {
+        match self {
+            Self::Fused(fused) => Self::Fused(Box::new(fused.detached())),
+            // They keep all that they need.
+            other => other,
+        }
+    }
+
     /// Gives an estimator that was read back its site again.
     pub fn attach(&mut self, settings: &Settings) -> Result<(), MethodError> {
         match (self, settings) {

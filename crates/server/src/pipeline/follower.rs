@@ -110,6 +110,14 @@ impl Follower {
         self.applied
     }
 
+    /// As it is kept: without what all tags of a site have in common.
+    pub fn kept(&self) -> Self {
+        let estimator = self.estimator.clone().map(Estimator::detached);
+        let mut kept = self.clone();
+        kept.estimator = estimator;
+        kept
+    }
+
     /// Gives one that was read back its site again; one whose profile has another method begins anew.
     pub fn attach(&mut self, profile: &Profile) {
         let attached = self.estimator.as_mut().map(|estimator| estimator.attach(&profile.settings));

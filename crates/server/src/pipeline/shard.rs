@@ -121,7 +121,7 @@ impl Shard {
         use std::ops::Bound::{Excluded, Unbounded};
         let from = self.kept.as_deref().map_or(Unbounded, Excluded);
         let next = self.followers.range::<str, _>((from, Unbounded)).take(most);
-        let next: Vec<_> = next.map(|(tag, follower)| (tag.clone(), follower.clone())).collect();
+        let next: Vec<_> = next.map(|(tag, follower)| (tag.clone(), follower.kept())).collect();
         if let Some((last, _)) = next.last() {
             self.kept = Some(last.clone());
         }
@@ -138,6 +138,6 @@ impl Shard {
     pub fn not_kept(&mut self) -> Vec<(String, Follower)> {
         let passed = self.kept.as_ref();
         let missed = self.came_since.drain(..).filter(|tag| passed.is_some_and(|kept| tag <= kept));
-        missed.filter_map(|tag| self.followers.get(&tag).cloned().map(|follower| (tag, follower))).collect()
+        missed.filter_map(|tag| self.followers.get(&tag).map(|follower| (tag, follower.kept()))).collect()
     }
 }

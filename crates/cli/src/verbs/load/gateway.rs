@@ -147,7 +147,7 @@ impl Gateway {
             tokio::time::sleep_until(due.into()).await;
             let (batch, observations) = self.batch(second, &walks, clock.begin_s);
             let handed = Instant::now();
-            account.sent(&self.tags, clock.begin_s + i64::from(second), handed, batch.len(), observations);
+            account.sent(&self.tags, handed, batch.len(), observations);
             let mut wait = RETRY.0;
             while let Err(error) = sender.send(&self.name, batch.clone()).await {
                 account.failed();

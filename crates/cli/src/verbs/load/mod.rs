@@ -9,6 +9,7 @@ use crate::args::LoadArgs;
 use crate::output;
 use crate::progress::{self, Progress, Unit};
 use anyhow::{Context, Result, bail};
+use futures_util::StreamExt;
 use gateway::{Gateway, Sender};
 use report::{Account, LoadReport};
 use std::collections::BTreeMap;
@@ -17,6 +18,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How long the viewer waits for the last positions, and the generator for the last acknowledgements.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Tags entered at once.
+const AT_ONCE: usize = 64;
 
 /// Loads a server and tells what came of it.
 pub fn run(args: &LoadArgs) -> Result<()> {
@@ -41,6 +45,7 @@ pub fn run(args: &LoadArgs) -> Result<()> {
 
 async fn load(args: &LoadArgs, walks: Vec<Vec<walks::Template>>) -> Result<LoadReport> {
     let sender = Sender::new(args)?;
+    register(args).await?;
     let account = Arc::new(Account::default());
     let viewer = viewer::Viewer::start(&args.url, &args.token, Arc::clone(&account)).await?;
     let walks = Arc::new(walks);
@@ -74,6 +79,32 @@ async fn load(args: &LoadArgs, walks: Vec<Vec<walks::Template>>) -> Result<LoadR
     viewer.stop(Duration::from_secs(2)).await;
     let came = came(args).await?;
     Ok(LoadReport::new(args, &account, &came))
+}
+
+/// Enters the tags, as an administrator would; those that are there already stay.
+async fn register(args: &LoadArgs) -> Result<()> {
+    let client = reqwest::Client::new();
+    let url = format!("{}/api/v1/tags", args.url);
+    let progress = Progress::new("tags", Unit::Samples, Some(args.tags.into()));
+    let enter = |tag: u32| {
+        let body = serde_json::json!({ "id": format!("T{tag:06}"), "worn": "waist" });
+        let request = client.post(&url).bearer_auth(&args.token).json(&body);
+        let (url, progress) = (&url, &progress);
+        async move {
+            let answer = request.send().await.with_context(|| url.clone())?;
+            progress.more(1);
+            let status = answer.status();
+            if status.is_success() || status == reqwest::StatusCode::CONFLICT {
+                return Ok(());
+            }
+            bail!("{url}: {status}: {}", answer.text().await.unwrap_or_default())
+        }
+    };
+    let mut entered = futures_util::stream::iter(0..args.tags).map(enter).buffer_unordered(AT_ONCE);
+    while let Some(result) = entered.next().await {
+        result?;
+    }
+    Ok(())
 }
 
 /// First and last of each span of packet numbers that came, by tag.

@@ -4,13 +4,10 @@ use super::walks::FIRST_NUMBER;
 use crate::args::LoadArgs;
 use hdrhistogram::Histogram;
 use serde::Serialize;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-/// Seconds of which the sending is remembered, for each tag.
-const REMEMBERED: usize = 60;
 
 /// What was sent and what came of it, as it goes.
 #[derive(Default)]
@@ -25,8 +22,8 @@ struct Books {
     packets: u64,
     /// Seconds of which the packets of tags were acknowledged, by the first of the tags.
     acknowledged: BTreeMap<u32, (Range<u32>, Vec<u32>)>,
-    /// When the packet of which second, since the Unix epoch, was sent; by tag.
-    handed: Vec<VecDeque<(i64, Instant)>>,
+    /// When the last packet of a tag was sent, until a position follows it.
+    handed: Vec<Option<Instant>>,
     acknowledgements: Times,
     positions: Times,
     viewer_losses: u64,
@@ -45,7 +42,8 @@ impl Default for Times {
 impl Times {
     fn add(&mut self, time: Duration) {
         if let Some(times) = &mut self.0 {
-            times.saturating_record(u64::try_from(time.as_micros()).unwrap_or(u64::MAX));
+            // It grows to what is recorded: nothing is too long.
+            let _ = times.record(u64::try_from(time.as_micros()).unwrap_or(u64::MAX));
         }
     }
 
@@ -62,20 +60,15 @@ impl Account {
     }
 
     /// A batch is on its way.
-    pub fn sent(&self, tags: &Range<u32>, second: i64, handed: Instant, bytes: usize, observations: u64) {
+    pub fn sent(&self, tags: &Range<u32>, handed: Instant, bytes: usize, observations: u64) {
         let mut books = self.books();
         books.batches += 1;
         books.bytes += bytes as u64;
         books.observations += observations;
         if books.handed.len() < tags.end as usize {
-            books.handed.resize_with(tags.end as usize, VecDeque::new);
+            books.handed.resize(tags.end as usize, None);
         }
-        for tag in &mut books.handed[tags.start as usize..tags.end as usize] {
-            if tag.len() == REMEMBERED {
-                tag.pop_front();
-            }
-            tag.push_back((second, handed));
-        }
+        books.handed[tags.start as usize..tags.end as usize].fill(Some(handed));
     }
 
     /// A batch did not get through; it is sent again.
@@ -91,14 +84,15 @@ impl Account {
         books.acknowledged.entry(tags.start).or_insert_with(|| (tags.clone(), Vec::new())).1.push(second);
     }
 
-    /// A tag moved, by a fix of this second since the Unix epoch: how long that took, once a second.
-    pub fn moved(&self, tag: &str, second: i64, arrived: Instant) {
+    /// A tag moved: how long after its last packet was sent, once for each packet. Beyond a second this tells nothing: the next packet is on its
+    /// way then.
+    pub fn moved(&self, tag: &str, arrived: Instant) {
         let mut books = self.books();
         let number = tag.strip_prefix('T').and_then(|digits| digits.parse::<usize>().ok());
-        let Some(handed) = number.and_then(|number| books.handed.get_mut(number)) else { return };
-        let Some(at) = handed.iter().position(|(sent, _)| *sent == second) else { return };
-        let Some((_, sent)) = handed.remove(at) else { return };
-        books.positions.add(arrived.saturating_duration_since(sent));
+        let handed = number.and_then(|number| books.handed.get_mut(number)).and_then(Option::take);
+        if let Some(handed) = handed {
+            books.positions.add(arrived.saturating_duration_since(handed));
+        }
     }
 
     /// The viewer was cut off, or did not get through.
@@ -123,7 +117,7 @@ pub struct LoadReport {
     bytes_per_s: f64,
     /// From the sending of a batch to its acknowledgement.
     acknowledgement: Summary,
-    /// From the sending of a batch to a position of its second at the viewer.
+    /// From the sending of a tag's packet to a position of it at the viewer.
     position: Summary,
     /// How often the viewer was cut off or did not get through.
     viewer_losses: u64,

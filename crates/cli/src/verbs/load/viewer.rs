@@ -22,7 +22,6 @@ struct Heard {
 #[derive(Deserialize)]
 struct Moved {
     tag: String,
-    time: jiff::Timestamp,
 }
 
 /// A viewer.
@@ -76,7 +75,7 @@ async fn listen(mut socket: Socket, account: &Account) {
             Message::Text(text) => {
                 if let Ok(heard) = serde_json::from_str::<Heard>(&text) {
                     for moved in heard.positions {
-                        account.moved(&moved.tag, moved.time.as_second(), arrived);
+                        account.moved(&moved.tag, arrived);
                     }
                 }
             }

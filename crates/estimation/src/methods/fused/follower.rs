@@ -236,6 +236,20 @@ impl Follower {
         report.signals = self.radio.as_ref().map(|radio| radio.report().clone());
     }
 
+    /// Gives up what belongs to the site, until [`Self::attach`].
+    pub fn detach(&mut self) {
+        if let Some(ranges) = &mut self.ranges {
+            ranges.detach();
+        }
+        if let Some(radio) = &mut self.radio {
+            radio.detach();
+        }
+        if let Some(signals) = &mut self.signals {
+            signals.detach();
+        }
+        self.readers = Arc::default();
+    }
+
     /// Gives a follower that was read back its site again: that of the settings it began with, shared with others there.
     pub fn attach(&mut self, params: &FusedParams) -> Result<(), MethodError> {
         let ears = Ears::new(params)?;

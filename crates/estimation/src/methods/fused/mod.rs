@@ -143,6 +143,15 @@ impl Fused {
         }
     }
 
+    /// Without what belongs to the site and all tags there have in common, megabytes of it: to be kept, and to go on after [`Self::attach`].
+    #[must_use]
+    pub fn detached(mut self) -> Self {
+        if let Stage::Carried(both) = &mut self.stage {
+            both.1.detach();
+        }
+        self
+    }
+
     /// After the last observation: the solutions still due, one at a time, then `None`.
     pub fn finish_next(&mut self) -> Result<Option<Solution>, MethodError> {
         if let Stage::Looking(looking) = &self.stage {

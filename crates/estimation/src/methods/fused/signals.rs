@@ -110,6 +110,12 @@ impl Signals {
         self.emitters = Arc::clone(&other.emitters);
     }
 
+    /// Gives up what belongs to the site, until [`Self::share`].
+    pub fn detach(&mut self) {
+        self.names = Arc::default();
+        self.emitters = Arc::default();
+    }
+
     /// The transmitter of a signal.
     pub fn transmitter(&self, signal: &SignalStrength) -> Option<usize> {
         let place = self.names.binary_search_by(|(name, _)| name.cmp(&signal.transmitter)).ok()?;

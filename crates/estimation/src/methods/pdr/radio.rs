@@ -69,6 +69,11 @@ impl RadioFixes {
         self.listener.share(&other.listener);
     }
 
+    /// Gives up what belongs to the site, until [`Self::share`].
+    pub fn detach(&mut self) {
+        self.listener.detach();
+    }
+
     /// The next fix that is due.
     pub fn due(&mut self, now: Time) -> Option<PositionFix> {
         self.listener.advance(now);
