@@ -1,5 +1,5 @@
 //! `adit serve` and `adit load`, as they are run: the real binary, a real broker, power cuts.
-#![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail by panicking")]
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader};
@@ -175,13 +175,11 @@ impl Broker {
              max_queued_messages 0\nmax_inflight_messages 4096\nuser root\n"
         );
         std::fs::write(folder.path().join("mosquitto.conf"), config).unwrap();
-        match Self::spawn(folder.path()) {
-            Some(child) => Some(Self { child, port, folder }),
-            None => {
-                println!("SKIPPED (no test data): mosquitto (apt-get install mosquitto)");
-                None
-            }
+        let child = Self::spawn(folder.path());
+        if child.is_none() {
+            println!("SKIPPED (no test data): mosquitto (apt-get install mosquitto)");
         }
+        child.map(|child| Self { child, port, folder })
     }
 
     fn spawn(folder: &Path) -> Option<Child> {

@@ -22,7 +22,7 @@ pub const MOST_FIXES: usize = 1_000_000;
 /// Before a store that failed is tried again: doubled each time, up to the second.
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
 /// Tracks are packed this often, and what is too old is deleted.
-const MAINTENANCE: Duration = Duration::from_secs(60);
+const MAINTENANCE: Duration = Duration::from_mins(1);
 
 /// Writes until nobody tells any more.
 pub async fn write(

@@ -31,7 +31,7 @@ pub struct ServeArgs {
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
 
-    /// The mine: TOML, JSON or GeoJSON
+    /// The mine, in any form of adit mine
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, required_unless_present = "config")]
     pub mine: Option<PathBuf>,
 

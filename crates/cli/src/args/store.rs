@@ -75,7 +75,7 @@ pub enum StoreVerb {
     Backup(StoreBackupArgs),
     /// Read a whole store and name what is damaged
     Check(StoreCheckArgs),
-    /// Write tracks, events or alarms as CSV, GeoJSON or Parquet
+    /// Write tracks, events or alarms for other programs
     Export(StoreExportArgs),
 }
 

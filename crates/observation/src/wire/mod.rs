@@ -46,7 +46,7 @@ pub struct WireError {
 }
 
 impl WireError {
-    fn new(what: &str, found: impl ToString, expected: &str) -> Self {
+    fn new(what: &str, found: impl std::fmt::Display, expected: &str) -> Self {
         Self { what: what.to_owned(), found: found.to_string(), expected: expected.to_owned() }
     }
 

@@ -1,7 +1,7 @@
 //! The one way in.
 
 use crate::journal::{
-    Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position,
+    Appended, Committer, GatewayBatch, GatewayStatus, NotStored, Numbered, OutsidePosition, Position, Spans,
     UserCommand, What,
 };
 use crate::pipeline::{Asked, TagHealth};
@@ -146,7 +146,7 @@ impl Door {
     }
 
     /// The numbers of packets that came of each tag: first and last of each span.
-    pub async fn packets(&self) -> Option<Vec<(String, Vec<(u64, u64)>)>> {
+    pub async fn packets(&self) -> Option<Vec<(String, Spans)>> {
         let (answer, told) = oneshot::channel();
         self.asked.send(Asked::Packets(answer)).ok()?;
         timeout(PATIENCE, told).await.ok()?.ok()

@@ -63,6 +63,9 @@ pub struct Committed {
     pub waiting: Option<Waiting>,
 }
 
+/// What was written together.
+pub type Group = Vec<Committed>;
+
 /// Where the outcome of a command goes: done, or why not.
 pub type Waiting = oneshot::Sender<Result<Outcome, Refused>>;
 
@@ -147,7 +150,7 @@ impl Committer {
         gateways: Gateways,
         now: impl Fn() -> Time + Send + 'static,
         health: Arc<Health>,
-    ) -> Result<(Self, Receiver<Vec<Committed>>, JoinHandle<()>), ServerError> {
+    ) -> Result<(Self, Receiver<Group>, JoinHandle<()>), ServerError> {
         let (requests, inbox) = mpsc::channel(MOST_WAITING);
         let (groups, outbox) = sync_channel(MOST_GROUPS);
         let mut desk = Desk { journal, gateways, groups, now, health };
@@ -196,7 +199,7 @@ impl Committer {
 struct Desk<Now> {
     journal: Journal,
     gateways: Gateways,
-    groups: SyncSender<Vec<Committed>>,
+    groups: SyncSender<Group>,
     now: Now,
     health: Arc<Health>,
 }

@@ -16,9 +16,9 @@ mod entry;
 mod seen;
 mod segments;
 
-pub use committer::{Appended, Committed, Committer, Gateways, NotStored, Numbered, Waiting};
+pub use committer::{Appended, Committed, Committer, Gateways, Group, NotStored, Numbered, Waiting};
 pub use entry::{Entry, GatewayBatch, GatewayStatus, OutsidePosition, UserCommand, What};
-pub use seen::Seen;
+pub use seen::{Seen, Spans};
 pub use segments::{HEAD, Journal};
 
 /// Where an entry stands, from 1; 0 is before all.

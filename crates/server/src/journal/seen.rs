@@ -6,6 +6,9 @@ use std::collections::BTreeMap;
 /// Gaps remembered; of more, the oldest is closed.
 const MOST_GAPS: usize = 4096;
 
+/// First and last of each span of numbers.
+pub type Spans = Vec<(u64, u64)>;
+
 /// Numbers that have come, as spans. A sender that counts by one and loses nothing is one span, whatever it sent.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seen {

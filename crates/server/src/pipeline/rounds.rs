@@ -7,7 +7,9 @@ use super::profile::Profiles;
 use super::shard::{Job, Shard, Told, shard_of};
 use super::snapshot::{ServerState, Snapshots, Writing};
 use crate::error::ServerError;
-use crate::journal::{Committed, Committer, Gateways, Journal, OutsidePosition, Position, What};
+use crate::journal::{
+    Committed, Committer, Gateways, Group, Journal, OutsidePosition, Position, Spans, What,
+};
 use adit_core::time::Time;
 use adit_mine::Mine;
 use adit_observation::wire::Batch;
@@ -53,7 +55,7 @@ pub enum Asked {
     /// How a tag is followed.
     Tag(String, oneshot::Sender<Option<TagHealth>>),
     /// The numbers of packets that came of each tag: first and last of each span.
-    Packets(oneshot::Sender<Vec<(String, Vec<(u64, u64)>)>>),
+    Packets(oneshot::Sender<Vec<(String, Spans)>>),
     /// The end: what has come is taken, a snapshot is made.
     Stop,
 }
@@ -182,7 +184,7 @@ impl Pipeline {
     /// Takes what the journal writes until nobody writes any more, or it is asked to stop; a snapshot ends it.
     pub fn run(
         mut self,
-        groups: &Receiver<Vec<Committed>>,
+        groups: &Receiver<Group>,
         asked: &Receiver<Asked>,
         committer: &Committer,
         mut outlet: impl FnMut(RoundOutcome),
@@ -228,12 +230,7 @@ impl Pipeline {
     }
 
     /// Takes what is still there, and keeps everything.
-    fn end(
-        mut self,
-        groups: &Receiver<Vec<Committed>>,
-        committer: &Committer,
-        mut outlet: impl FnMut(RoundOutcome),
-    ) {
+    fn end(mut self, groups: &Receiver<Group>, committer: &Committer, mut outlet: impl FnMut(RoundOutcome)) {
         while let Ok(group) = groups.try_recv() {
             outlet(self.round(group));
         }
@@ -270,7 +267,7 @@ impl Pipeline {
     }
 
     /// Takes a round.
-    pub fn round(&mut self, round: Vec<Committed>) -> RoundOutcome {
+    pub fn round(&mut self, round: Group) -> RoundOutcome {
         let mut jobs: Vec<Vec<Job>> = self.shards.iter().map(|_| Vec::new()).collect();
         let mut order = 0;
         let mut heard = Vec::with_capacity(round.len());
@@ -374,17 +371,16 @@ impl Pipeline {
     }
 
     fn keep_some(&mut self, committer: &Committer) -> Result<(), ServerError> {
-        let mut running = match self.running.take() {
-            Some(running) => running,
-            None => {
-                for shard in &mut self.shards {
-                    shard.begin_snapshot();
-                }
-                // A round lasts for some tens of ms under load: the whole in a quarter of the time between snapshots.
-                let rounds = (4 * self.snapshot_every.as_millis() / PATIENCE.as_millis() / 16).max(1);
-                let quota = self.tags() / usize::try_from(rounds).unwrap_or(1) / self.shards.len() + 1;
-                Running { writing: self.snapshots.begin()?, quota, gateways: None, written: None }
+        let mut running = if let Some(running) = self.running.take() {
+            running
+        } else {
+            for shard in &mut self.shards {
+                shard.begin_snapshot();
             }
+            // A round lasts for some tens of ms under load: the whole in a quarter of the time between snapshots.
+            let rounds = (4 * self.snapshot_every.as_millis() / PATIENCE.as_millis() / 16).max(1);
+            let quota = self.tags() / usize::try_from(rounds).unwrap_or(1) / self.shards.len() + 1;
+            Running { writing: self.snapshots.begin()?, quota, gateways: None, written: None }
         };
         let Some(position) = running.written else {
             running = self.keep_more(running, committer)?;

@@ -8,7 +8,7 @@
 //! **A start** reads the journal from the oldest of these entries. What a tag has already it passes over; what others tell of entries up
 //! to E the tracking has already; from there on all is as it was. Files before that are deleted only when the new one is on the disk.
 //!
-//! File: `snapshots/<E, 20 digits>.snap`; [`HEAD`], then records as in the journal (length, CRC-32, body in MessagePack), the tracking last.
+//! File: `snapshots/<E, 20 digits>.snap`; [`HEAD`], then records as in the journal (length, CRC-32, body in `MessagePack`), the tracking last.
 
 use super::devices::Devices;
 use super::follower::Follower;

@@ -22,7 +22,7 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-const LENGTH_S: f64 = 40.0;
+const LENGTH_S: i32 = 40;
 /// When the log begins, ns since the Unix epoch.
 const EPOCH_NS: i64 = 1_795_000_000_000_000_000;
 const SECOND_NS: i64 = 1_000_000_000;
@@ -35,7 +35,7 @@ fn two_level() -> Arc<Mine> {
 /// A walk of a tag, with ranges.
 fn walk(mine: &Arc<Mine>, mount: Mount, seed: u64) -> Vec<Observation> {
     let roam = Roam {
-        until_s: LENGTH_S,
+        until_s: LENGTH_S.into(),
         levels: vec!["l300".to_owned()],
         reach_m: 200.0,
         speed_share: [0.9, 1.1],
@@ -47,7 +47,7 @@ fn walk(mine: &Arc<Mine>, mount: Mount, seed: u64) -> Vec<Observation> {
     let errands = vec![Errand::Stand { seconds: 4.0 }, Errand::Roam(roam)];
     let person = PersonSpec { body: Body::default(), drawn: true, start, errands };
     let spec = WorkforceSpec {
-        duration_s: LENGTH_S,
+        duration_s: LENGTH_S.into(),
         population: PopulationSpec { persons: vec![person], ..PopulationSpec::default() },
         outfit: Outfit {
             mount,
@@ -112,7 +112,7 @@ fn story(mine: &Arc<Mine>) -> Vec<(Time, What)> {
         (at(0, 1), command(Command::CreatePerson { person })),
         (at(0, 2), command(Command::CreateTag { tag })),
     ];
-    for second in 0..LENGTH_S as i64 {
+    for second in 0..i64::from(LENGTH_S) {
         let (from, until) = (second * SECOND_NS, (second + 1) * SECOND_NS);
         for (index, (tag, walk)) in (0_i64..).zip(&walks) {
             let within = |o: &&Observation| (from..until).contains(&o.time().nanos());
@@ -224,7 +224,7 @@ fn same(found: &[String], expected: &[String]) {
 }
 
 fn lines(outcome: &super::RoundOutcome) -> Vec<String> {
-    let fixes = outcome.fixes.iter().map(|fix| format!("{:?}", fix));
+    let fixes = outcome.fixes.iter().map(|fix| format!("{fix:?}"));
     fixes.chain(outcome.events.iter().map(|event| format!("{event:?}"))).collect()
 }
 

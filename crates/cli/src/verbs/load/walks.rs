@@ -24,8 +24,8 @@ pub const FIRST_NUMBER: u64 = 1 << 28;
 /// A name of seven bytes, for the place of all names.
 const NAME: &str = "T000000";
 /// Two marks of five bytes that differ in each; what has the one in one encoding and the other in the other is a second.
-const SECONDS: [i64; 2] = [0x6284c911, 0x54a911a2];
-const NUMBERS: [u64; 2] = [0x768cd931, 0x48b121c2];
+const SECONDS: [i64; 2] = [0x6284_c911, 0x54a9_11a2];
+const NUMBERS: [u64; 2] = [0x768c_d931, 0x48b1_21c2];
 /// Bytes of a varint between 2²⁸ and 2³⁵.
 const MARK: usize = 5;
 
