@@ -138,6 +138,14 @@ async fn after_power_cuts_nothing_that_was_acknowledged_is_missing() {
     let token = served.token().await;
     let seconds = (cuts * 5 + 10).to_string();
     let load = load(&served.url, &token, &["--tags", "40", "--seconds", &seconds, "--per-gateway", "4"]);
+    // The walks are simulated first.
+    for _ in 0..600 {
+        let (_, packets) = served.ask("GET", "/api/v1/packets", &token, None).await;
+        if packets.as_array().is_some_and(|packets| !packets.is_empty()) {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
     for cut in 0..cuts {
         // Anywhere in a second, in a write, in a snapshot: the same moments in each run.
         let wait = 2500 + u64::from(cut.wrapping_mul(2_654_435_761) >> 20) % 2000;
