@@ -1,7 +1,7 @@
 //! The API: `/api/v1` of adit's own, `/v2` as omlox has it, `/metrics`, `/health`.
 //!
-//! Every request passes one layer ([`guard`]) that knows who asks and what the route needs ([`routes::Access`]). Handlers read the live
-//! state under its read lock and the store; what changes the live state goes through the [`Door`](crate::ingest::Door) into the journal and is answered
+//! Every request passes one layer (`guard`) that knows who asks and what the route needs ([`Access`]). Handlers read the live
+//! state under its read lock and the store; what changes the live state goes through the [`Door`] into the journal and is answered
 //! when it was applied. Whatever goes wrong is answered as [`Problem`] in JSON.
 
 mod error;

@@ -1,7 +1,7 @@
 //! Tracks, events and alarms as files for other programs: CSV, `GeoJSON`, Parquet.
 //!
 //! An [`Export`] hands out bytes page by page, to a file or to whoever waits at the other end of a connection; no more than one page of the
-//! store is held. Every format has the same columns ([`columns`]); units stand in their names.
+//! store is held. Every format has the same columns (`columns`); units stand in their names.
 //!
 //! - CSV: times twice, in seconds since the Unix epoch as in every log of adit (`time_s`, exact) and as text (`time_utc`, RFC 3339 with ms).
 //! - `GeoJSON` (RFC 7946): one feature to a fix, event or alarm; longitude, latitude (WGS-84, degrees) and height where the mine's grid is tied to the Earth, else
