@@ -17,7 +17,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 
-/// Fixes that wait for the store at most: some 250 MB.
+/// Fixes that wait for the store at most.
 pub const MOST_FIXES: usize = 1_000_000;
 /// Before a store that failed is tried again: doubled each time, up to the second.
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
