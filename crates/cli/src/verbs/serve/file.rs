@@ -14,7 +14,7 @@ use adit_server::feed::FeedSettings;
 use adit_server::ingest::mqtt::MqttSettings;
 use adit_server::pipeline::{Profile, Profiles, Settings as EstimatorSettings};
 use adit_server::store::Retention;
-use adit_server::{Serving, Settings};
+use adit_server::{Clock, Serving, Settings};
 use adit_tracking::Rules;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -185,6 +185,7 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
         shards: file.pipeline.threads.unwrap_or_else(cores).clamp(1, 256),
         snapshot_every: Duration::from_secs_f64(snapshot_s),
         retention: file.retention,
+        clock: Clock::default(),
     };
     Ok((settings, serving))
 }
