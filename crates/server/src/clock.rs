@@ -58,18 +58,24 @@ impl Pace {
 #[derive(Debug, Clone)]
 pub struct Clock {
     pace: Arc<watch::Sender<Pace>>,
+    simulated: bool,
 }
 
 impl Default for Clock {
     fn default() -> Self {
-        Self::new(Pace::REAL)
+        Self { pace: Arc::new(watch::Sender::new(Pace::REAL)), simulated: false }
     }
 }
 
 impl Clock {
-    /// A clock that goes so.
-    pub fn new(pace: Pace) -> Self {
-        Self { pace: Arc::new(watch::Sender::new(pace)) }
+    /// The clock of a simulated shift.
+    pub fn simulated(pace: Pace) -> Self {
+        Self { pace: Arc::new(watch::Sender::new(pace)), simulated: true }
+    }
+
+    /// Nobody works by it.
+    pub fn is_simulated(&self) -> bool {
+        self.simulated
     }
 
     /// Now.

@@ -62,6 +62,9 @@ async fn who_watches_is_told_when_the_clock_goes_at_another_speed() -> Tested {
     let house = House::new().await?;
     let mut socket = watch(&house, "/api/v1/live/socket", house.token("viewer")).await?;
     next(&mut socket).await?;
+    let faster = json!({ "clock_speed": 8.0 });
+    let refused = house.ask("PUT", "/api/v1/clock", house.token("admin"), Some(faster)).await?;
+    assert_eq!(refused.status, 409, "the clock of a real mine cannot be set");
     house.context.clock.set_speed(8.0);
     let told = next(&mut socket).await?;
     assert_eq!((&told["type"], &told["clock_speed"]), (&"resumed".into(), &8.0.into()), "{told}");
