@@ -14,6 +14,12 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Another process works on the folder.
+    #[error("{folder}: another server works on this folder")]
+    FolderTaken {
+        /// Which folder.
+        folder: PathBuf,
+    },
     /// A file of the journal is damaged where no crash can have cut it.
     #[error("{path}: byte {byte}: {what}: the journal is damaged")]
     JournalDamage {
