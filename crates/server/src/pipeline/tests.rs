@@ -11,11 +11,10 @@ use adit_nlos::Model;
 use adit_observation::sidecar::Sidecar;
 use adit_observation::wire::{Batch, Packet, Resolution};
 use adit_observation::{DeviceId, Observation};
-use adit_simulation::people::{Belt, Body, Errand, PersonSpec, Place, PopulationSpec, Roam};
+use adit_simulation::Foot;
+use adit_simulation::people::{Belt, PersonSpec, Place, Roam};
 use adit_simulation::radio::RangeDetail;
-use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
-use adit_simulation::workforce::{Mount, Outfit, RadioRates, Workforce, WorkforceSpec};
-use adit_simulation::{Foot, IdealImu, ImuErrorModel};
+use adit_simulation::workforce::{Mount, Outfit, Workforce, WorkforceSpec};
 use adit_tracking::{Command, Person, Rules, Tag};
 use std::path::Path;
 use std::sync::Arc;
@@ -35,38 +34,13 @@ fn two_level() -> Arc<Mine> {
 
 /// A walk of a tag, with ranges.
 fn walk(mine: &Arc<Mine>, mount: Mount, seed: u64) -> Vec<Observation> {
-    let roam = Roam {
-        until_s: LENGTH_S.into(),
-        levels: vec!["l300".to_owned()],
-        reach_m: 200.0,
-        speed_share: [0.9, 1.1],
-        stop_share: 0.0,
-        stop_s: [5.0, 10.0],
-        work_share: 0.5,
-    };
+    let length_s = f64::from(LENGTH_S);
     let start = Place::Roadway { id: "l300-haulage".to_owned(), along_m: 320.0, left_m: 0.0 };
-    let errands = vec![Errand::Stand { seconds: 4.0 }, Errand::Roam(roam)];
-    let person = PersonSpec { body: Body::default(), drawn: true, start, errands };
-    let spec = WorkforceSpec {
-        duration_s: LENGTH_S.into(),
-        population: PopulationSpec { persons: vec![person], ..PopulationSpec::default() },
-        outfit: Outfit {
-            mount,
-            ideal: IdealImu::default(),
-            imu: ImuErrorModel::mpu6050(),
-            imu_hz: 100.0,
-            magnetic: None,
-            barometer: None,
-            silent_s: Vec::new(),
-            radio: RadioRates { detail: RangeDetail::Diagnostics, ranging_hz: 2.0, ..RadioRates::default() },
-        },
-        air: adit_simulation::pressure::AirSpec::default(),
-        radio: adit_simulation::radio::RadioSpec::default(),
-        outages: Vec::new(),
-        conveyors_s: Vec::new(),
-        clock: ClockSpec::perfect(),
-        link: LinkSpec::perfect(),
-    };
+    let roam = Roam::on_level("l300", length_s, 200.0, 0.0, [5.0, 10.0]);
+    let person = PersonSpec::roaming(start, 4.0, roam);
+    let mut outfit = Outfit::plain(mount, 2.0);
+    outfit.radio.detail = RangeDetail::Diagnostics;
+    let spec = WorkforceSpec::undisturbed(length_s, vec![person], outfit);
     let workforce = Workforce::new(Arc::clone(mine), spec, seed).unwrap();
     workforce.stream(0).unwrap().unwrap().map(|emission| emission.observation()).collect()
 }

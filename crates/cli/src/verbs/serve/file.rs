@@ -15,7 +15,7 @@ use adit_server::feed::FeedSettings;
 use adit_server::ingest::mqtt::MqttSettings;
 use adit_server::pipeline::{Profile, Profiles, Settings as EstimatorSettings};
 use adit_server::store::Retention;
-use adit_server::{Serving, Settings};
+use adit_server::{Clock, FASTEST, Pace, Serving, Settings};
 use adit_tracking::Rules;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,9 @@ struct ServeFile {
     feed: FeedSettings,
     rules: Rules,
     profiles: Vec<ProfilePart>,
+    /// Of a simulated shift.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock: Option<Pace>,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -188,8 +191,17 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
         shards: file.pipeline.threads.unwrap_or_else(cores).clamp(1, 256),
         snapshot_every: Duration::from_secs_f64(snapshot_s),
         retention: file.retention,
+        clock: clock(file.clock)?,
     };
     Ok((settings, serving))
+}
+
+fn clock(pace: Option<Pace>) -> Result<Clock> {
+    match pace {
+        None => Ok(Clock::default()),
+        Some(pace) if pace.speed > 0.0 && pace.speed <= FASTEST => Ok(Clock::simulated(pace)),
+        Some(Pace { speed, .. }) => bail!("[clock] speed: found {speed}, expected more than 0, to {FASTEST}"),
+    }
 }
 
 fn tls(api: &ApiPart, folder: &Path) -> Result<Option<TlsFiles>> {
