@@ -9,6 +9,7 @@ pub mod export;
 pub mod feed;
 pub mod ingest;
 pub mod journal;
+mod lock;
 pub mod pipeline;
 mod run;
 mod server;

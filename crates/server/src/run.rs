@@ -6,6 +6,7 @@ use crate::error::ServerError;
 use crate::ingest::Door;
 use crate::ingest::mqtt::{self, MqttSettings};
 use crate::journal::Committer;
+use crate::lock::FolderLock;
 use crate::pipeline::{Asked, Pipeline, PipelineSettings, Profiles, RoundOutcome, Started};
 use crate::store::{Retention, Store};
 use crate::writer;
@@ -58,6 +59,7 @@ pub struct Parts {
     stop: watch::Sender<bool>,
     tasks: Vec<tokio::task::JoinHandle<()>>,
     threads: Vec<JoinHandle<()>>,
+    lock: FolderLock,
 }
 
 /// Starts everything but the API: reads what is kept, takes the journal from there on, then listens. `told` hears of each round.
@@ -68,6 +70,7 @@ pub async fn start(
     let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, clock, .. } =
         settings;
     std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
+    let lock = FolderLock::take(&data)?;
     let store = Store::open(&data.join("adit.sqlite")).await?;
     let stored = Arc::new(AtomicU64::new(store.applied().await?));
     let (writing, outcomes) = mpsc::unbounded_channel();
@@ -125,13 +128,13 @@ pub async fn start(
         tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, health, stopped).await }));
     }
     let threads = vec![pipeline_thread, journal_thread];
-    Ok(Parts { door, tracking, store, asked, health, stop, tasks, threads })
+    Ok(Parts { door, tracking, store, asked, health, stop, tasks, threads, lock })
 }
 
 impl Parts {
     /// Ends everything: what has come is taken, stored and kept.
     pub async fn stop(self) {
-        let Self { door, store, asked, stop, tasks, threads, .. } = self;
+        let Self { door, store, asked, stop, tasks, threads, lock, .. } = self;
         // Nobody listens when everybody has ended already.
         let _ = stop.send(true);
         let _ = asked.send(Asked::Stop);
@@ -149,6 +152,7 @@ impl Parts {
             }
         }
         store.close().await;
+        drop(lock);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::args::ServeArgs;
 use crate::config;
+use crate::judged_ranges;
 use crate::method::{self, MethodName};
 use crate::progress;
 use crate::radio_site;
@@ -134,6 +135,8 @@ struct ProfilePart {
     sidecar: Option<PathBuf>,
     #[serde(default)]
     location: Option<Location>,
+    #[serde(default)]
+    nlos: Option<String>,
 }
 
 fn fused() -> String {
@@ -248,6 +251,7 @@ fn profiles(parts: &[ProfilePart], folder: &Path, site: &Arc<RadioSite>) -> Resu
         config: None,
         sidecar: None,
         location: Some(Location::Waist),
+        nlos: None,
     };
     let parts = if parts.is_empty() { std::slice::from_ref(&everybody) } else { parts };
     let profiles = parts
@@ -270,7 +274,11 @@ fn profile(part: &ProfilePart, folder: &Path, site: &Arc<RadioSite>) -> Result<P
     }
     let config = part.config.as_ref().map(|path| folder.join(path));
     let settings = estimator(name, &sidecar, config.as_deref(), site)?;
-    Ok(Profile::new(&part.name, part.tags.clone(), sidecar, settings))
+    let profile = Profile::new(&part.name, part.tags.clone(), sidecar, settings);
+    match &part.nlos {
+        None => Ok(profile),
+        Some(model) => Ok(profile.judging(judged_ranges::model(model, folder)?)),
+    }
 }
 
 /// The settings of a method that can follow a tag: one that needs no start pose and finds a position.
