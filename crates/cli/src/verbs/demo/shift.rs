@@ -34,7 +34,7 @@ const LOOK: Duration = Duration::from_secs(1);
 const BEHIND_S: f64 = 0.8;
 const LOOKS: u32 = 3;
 const SLOWER: f64 = 0.8;
-/// After the power was back this is not judged: there is something to catch up with.
+/// At the beginning and when something is back this is not judged: there is something to catch up with.
 const CATCH_UP: Duration = Duration::from_secs(10);
 /// The score is told this often, s of the shift.
 const SCORE_S: f64 = 300.0;
@@ -136,7 +136,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         runtime: &runtime,
         cues,
         power_back: None,
-        looks: Looks { next: begun + LOOK, late: 0, not_before: begun },
+        looks: Looks { next: begun + LOOK, late: 0, not_before: Instant::now() + CATCH_UP },
         scored: (0, SCORE_S),
         missing_since: None,
         slowest: args.speed,
@@ -385,9 +385,10 @@ impl Shift<'_> {
             self.looks.late = 0;
             return Ok(());
         }
-        let waiting_s = self.gateways.account.waiting() as f64 / self.crew.sending().max(1) as f64;
         let speed = self.clock.pace().speed;
-        let behind_s = (self.now_s() - self.crew.seconds() + waiting_s) / speed;
+        // Whatever is slow, the simulation, the way or the server: positions are late by it.
+        let newest = self.viewer.seen().newest.unwrap_or(self.begin);
+        let behind_s = (self.clock.now() - newest).seconds() / speed;
         self.looks.late = if behind_s > BEHIND_S { self.looks.late + 1 } else { 0 };
         if self.looks.late < LOOKS || speed <= 1.0 {
             return Ok(());
@@ -401,6 +402,15 @@ impl Shift<'_> {
         self.tell(&format!(
             "this machine is {behind_s:.1} s behind: the shift goes on at {slower:.1} times real time, nothing is left out"
         ))
+    }
+
+    /// How many packets the server has.
+    fn came(&self) -> Result<u64> {
+        let came = self.runtime.block_on(self.target.ask("GET", "/api/v1/packets", None))?;
+        let tags = came.as_array().into_iter().flatten();
+        let spans = tags.filter_map(|tag| tag["numbers"].as_array()).flatten();
+        let length = |span: &serde_json::Value| Some(span[1].as_u64()? + 1 - span[0].as_u64()?);
+        Ok(spans.filter_map(length).sum())
     }
 
     /// How everybody stands in the evacuation.
@@ -428,12 +438,13 @@ impl Shift<'_> {
         }
         if whole && !asked_to_stop {
             self.report()?;
-            let came = self.runtime.block_on(self.target.ask("GET", "/api/v1/packets", None))?;
-            let spans =
-                came.as_array().into_iter().flatten().flat_map(|tag| tag["numbers"].as_array()).flatten();
-            let length = |span: &serde_json::Value| Some(span[1].as_u64()? + 1 - span[0].as_u64()?);
-            let came: u64 = spans.filter_map(length).sum();
             let acknowledged = self.gateways.account.acknowledged.load(std::sync::atomic::Ordering::Relaxed);
+            let mut came = self.came()?;
+            // What is on the disk is taken a moment later.
+            while came < acknowledged && Instant::now() < until {
+                std::thread::sleep(LOOK);
+                came = self.came()?;
+            }
             let observations = self.observations;
             self.tell(&format!(
                 "{observations} observations in {acknowledged} packets acknowledged, {came} of them there; slowest {:.1} times real time",
