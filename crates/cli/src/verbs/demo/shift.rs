@@ -33,6 +33,8 @@ const LOOK: Duration = Duration::from_secs(1);
 /// So far behind, in time of the wall, for so many looks, and the clock is slowed by this.
 const BEHIND_S: f64 = 0.8;
 const LOOKS: u32 = 3;
+/// A position is no older at the viewer: a packet is of a second, and its last step ends in the next, s of the shift.
+const ON_TIME_S: f64 = 2.0;
 const SLOWER: f64 = 0.8;
 /// At the beginning and when something is back this is not judged: there is something to catch up with.
 const CATCH_UP: Duration = Duration::from_secs(10);
@@ -141,12 +143,12 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         missing_since: None,
         slowest: args.speed,
         observations: 0,
+        begun: Some(begun),
     };
-    shift.tell(&format!(
-        "the shift begins; first positions {:.1} s after the start of this program",
-        begun.elapsed().as_secs_f64()
-    ))?;
+    shift.tell("the shift begins")?;
     let ended = shift.go(length_s);
+    // The same Ctrl-C ends the server: what it did not answer any more is no error.
+    let ended = if interrupt::check().is_err() { Ok(()) } else { ended };
     let told = shift.end(ended.is_ok());
     ended.and(told)
 }
@@ -237,6 +239,8 @@ struct Shift<'a> {
     missing_since: Option<Instant>,
     slowest: f64,
     observations: u64,
+    /// When this program was started; until the first positions are told.
+    begun: Option<Instant>,
 }
 
 impl Shift<'_> {
@@ -348,6 +352,13 @@ impl Shift<'_> {
             let (kind, severity, about) = (&raised.kind, &raised.severity, &raised.about);
             tell_at((raised.time - self.begin).seconds(), &format!("  alarm, {severity}: {kind}: {about}"))?;
         }
+        if let Some(begun) = self.begun.filter(|_| !self.viewer.seen().found.is_empty()) {
+            self.begun = None;
+            let seconds = begun.elapsed().as_secs_f64();
+            self.tell(&format!(
+                "first positions at the viewer, {seconds:.1} s after the start of this program"
+            ))?;
+        }
         if let Some(since) = self.missing_since {
             let sending = self.crew.sending();
             let found = self.viewer.seen().found.len();
@@ -388,7 +399,7 @@ impl Shift<'_> {
         let speed = self.clock.pace().speed;
         // Whatever is slow, the simulation, the way or the server: positions are late by it.
         let newest = self.viewer.seen().newest.unwrap_or(self.begin);
-        let behind_s = (self.clock.now() - newest).seconds() / speed;
+        let behind_s = ((self.clock.now() - newest).seconds() - ON_TIME_S).max(0.0) / speed;
         self.looks.late = if behind_s > BEHIND_S { self.looks.late + 1 } else { 0 };
         if self.looks.late < LOOKS || speed <= 1.0 {
             return Ok(());

@@ -230,13 +230,13 @@ impl Writer<'_> {
                 (0.0, place(panel, at_m, 0.0), errands)
             }
             Part::Intrudes => {
-                let crosscut = of_level("crosscut-1");
-                let mut errands = self.work((&crosscut, 70.0, 35.0), 0.0, times.intruder);
+                let (haulage, crosscut) = (of_level("haulage"), of_level("crosscut-1"));
+                let mut errands = self.work((&haulage, 900.0, 112.0), 0.0, times.intruder);
                 errands.push(Errand::Until { until_s: times.intruder, work: true });
                 errands.push(go(place(&of_level("magazine-way"), 6.0, 0.0)));
                 errands.push(Errand::Stand { seconds: 60.0 });
                 errands.push(go(place(&crosscut, 25.0, 0.0)));
-                (0.0, place(&crosscut, 35.0, 0.0), errands)
+                (0.0, place(&haulage, 112.0, 0.0), errands)
             }
             Part::Relief => {
                 let comes_s = times.evacuation - (450.0 * times.end / WHOLE_S) + self.between(0.0, 40.0);
