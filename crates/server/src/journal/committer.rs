@@ -20,7 +20,7 @@ const MOST_WAITING: usize = 8192;
 /// Entries written together.
 const MOST_TOGETHER: usize = 4096;
 /// Groups that wait for the pipeline; more hold up the writing.
-const MOST_GROUPS: usize = 4;
+const MOST_GROUPS: usize = 32;
 
 /// The batch of a gateway, by its own count.
 #[derive(Debug, Clone, PartialEq, Eq)]
