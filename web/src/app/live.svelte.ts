@@ -51,7 +51,8 @@ export const live = {
   /** The server's time, once a second. */
   get now(): number {
     void revision.second;
-    return state.clock.now();
+    void revision.people;
+    return state.clock.known ? state.clock.now() : 0;
   },
 };
 
@@ -127,8 +128,7 @@ export async function loadTags(): Promise<TagNow[]> {
 /** People who were seen without a name are asked for once. */
 const asked = new Set<string>();
 function strangers(message: LiveMessage): void {
-  const seen =
-    message.type === "positions" ? message.positions : message.type === "snapshot" ? message.live : [];
+  const seen = message.type === "positions" ? message.positions : message.type === "snapshot" ? message.live : [];
   for (const { person } of seen) {
     if (person == null || state.knows(person) || asked.has(person)) continue;
     asked.add(person);

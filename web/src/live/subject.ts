@@ -52,8 +52,8 @@ export class Subject extends Walker {
     this.radius95 = where.radius_95_m;
     this.protectionLevel = where.protection_level_m;
     this.height = where.position_m[2]!;
-    const [east, north] = where.velocity_m_s ?? this.#between(where.position_m, timeMs);
-    this.speed = Math.hypot(east!, north!);
+    const [east = 0, north = 0] = where.velocity_m_s ?? this.#between(where.position_m, timeMs);
+    this.speed = Math.hypot(east, north);
     this.heading = this.speed > HEADING_FROM_M_S ? Math.atan2(east, north) : null;
     if (where.age_s > 5) this.growth = Math.max(0, (where.radius_now_m - where.radius_95_m) / where.age_s);
     else this.growth = this.motion === "still" ? 0 : GROWTH_M_S;

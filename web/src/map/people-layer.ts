@@ -270,7 +270,13 @@ function trails(context: CanvasRenderingContext2D, view: View, look: PeopleLook,
   context.globalAlpha = 1;
 }
 
-function trail(context: CanvasRenderingContext2D, view: View, look: PeopleLook, { walker, x, y }: Shown, sinceMs: number): void {
+function trail(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PeopleLook,
+  { walker, x, y }: Shown,
+  sinceMs: number,
+): void {
   const shift = look.stack.shiftOf(walker.level, walker.height);
   context.strokeStyle = colourOf(look.palette, walker.quality);
   context.beginPath();
@@ -314,7 +320,13 @@ function spotlight(context: CanvasRenderingContext2D, view: View, look: PeopleLo
 }
 
 /** Names where there is room: a name is left out that would lie over another. */
-function names(context: CanvasRenderingContext2D, view: View, look: PeopleLook, list: Shown[], chosen: Shown | null): void {
+function names(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PeopleLook,
+  list: Shown[],
+  chosen: Shown | null,
+): void {
   const urgent = list.filter((shown) => shown.walker.trouble === "urgent");
   const candidates = view.scale > 1.2 && list.length < 1500 ? list : urgent;
   const taken = new Set<number>();
@@ -339,6 +351,7 @@ function names(context: CanvasRenderingContext2D, view: View, look: PeopleLook, 
   };
   if (chosen) write(chosen, true);
   for (const shown of urgent) if (shown !== chosen && written < NAMES) write(shown, false);
-  for (const shown of candidates) if (shown !== chosen && written < NAMES && shown.walker.trouble !== "urgent") write(shown, false);
+  for (const shown of candidates)
+    if (shown !== chosen && written < NAMES && shown.walker.trouble !== "urgent") write(shown, false);
   context.globalAlpha = 1;
 }

@@ -2,8 +2,41 @@
 import type { Mine, Point3, Roadway } from "../../src/api/types";
 import type { Server } from "./server";
 
-const GIVEN = ["Anna", "Bernd", "Carla", "David", "Elif", "Frank", "Greta", "Hannes", "Irina", "Jonas", "Katrin", "Lukas", "Mara", "Nils", "Olga", "Piotr"];
-const FAMILY = ["Berger", "Chen", "Dietz", "Ernst", "Fischer", "Günther", "Hartmann", "Ivanov", "Jansen", "Kowalski", "Lange", "Maier", "Novak", "Otto", "Peters"];
+const GIVEN = [
+  "Anna",
+  "Bernd",
+  "Carla",
+  "David",
+  "Elif",
+  "Frank",
+  "Greta",
+  "Hannes",
+  "Irina",
+  "Jonas",
+  "Katrin",
+  "Lukas",
+  "Mara",
+  "Nils",
+  "Olga",
+  "Piotr",
+];
+const FAMILY = [
+  "Berger",
+  "Chen",
+  "Dietz",
+  "Ernst",
+  "Fischer",
+  "Günther",
+  "Hartmann",
+  "Ivanov",
+  "Jansen",
+  "Kowalski",
+  "Lange",
+  "Maier",
+  "Novak",
+  "Otto",
+  "Peters",
+];
 const TEAMS = ["north", "south", "transport", "electrical", "rescue"];
 
 /** Numbers that are the same in every run. */
@@ -51,7 +84,8 @@ function along(road: Roadway, at: number): Point3 {
 
 export const personId = (index: number) => `p${String(index + 1).padStart(4, "0")}`;
 export const tagId = (index: number) => `t${String(index + 1).padStart(4, "0")}`;
-export const personName = (index: number) => `${GIVEN[index % GIVEN.length]} ${FAMILY[(index * 7 + Math.floor(index / 16)) % FAMILY.length]}`;
+export const personName = (index: number) =>
+  `${GIVEN[index % GIVEN.length]} ${FAMILY[(index * 7 + Math.floor(index / 16)) % FAMILY.length]}`;
 
 export class Crowd {
   readonly #hikers: Hiker[] = [];
@@ -76,12 +110,24 @@ export class Crowd {
       let pick = 0;
       while (where > lengths[pick]!) where -= lengths[pick++]!;
       const pace = (random() < 0.5 ? -1 : 1) * (0.9 + random() * 0.7);
-      crowd.#hikers.push({ tag: tagId(index), road: roads[pick]!, at: where, pace, length: lengths[pick]!, still: false });
+      crowd.#hikers.push({
+        tag: tagId(index),
+        road: roads[pick]!,
+        at: where,
+        pace,
+        length: lengths[pick]!,
+        still: false,
+      });
     }
     const enter = async (index: number) => {
       await server.ask("POST", "/api/v1/tags", { id: tagId(index), worn: "helmet" });
       if (index >= named) return;
-      const person = { id: personId(index), name: personName(index), team: TEAMS[index % TEAMS.length], shift: "early" };
+      const person = {
+        id: personId(index),
+        name: personName(index),
+        team: TEAMS[index % TEAMS.length],
+        shift: "early",
+      };
       await server.ask("POST", "/api/v1/people", person);
       await server.ask("POST", `/api/v1/tags/${tagId(index)}/assignments`, { person: personId(index) });
     };

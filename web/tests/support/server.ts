@@ -70,7 +70,15 @@ export class Server {
 
   /** Starts it, again too. */
   async up(): Promise<void> {
-    const args = ["serve", "--mine", this.mine, "--data", join(this.folder, "data"), "--listen", `127.0.0.1:${this.port}`];
+    const args = [
+      "serve",
+      "--mine",
+      this.mine,
+      "--data",
+      join(this.folder, "data"),
+      "--listen",
+      `127.0.0.1:${this.port}`,
+    ];
     const started = spawn(this.binary, args, { stdio: ["ignore", "pipe", "pipe"] });
     this.#process = started;
     let said = "";
@@ -105,7 +113,10 @@ export class Server {
   }
 
   async logIn(): Promise<void> {
-    const answer = await this.ask<{ token: string }>("POST", "/api/v1/session", { name: "admin", password: this.password });
+    const answer = await this.ask<{ token: string }>("POST", "/api/v1/session", {
+      name: "admin",
+      password: this.password,
+    });
     this.token = answer.token;
   }
 
