@@ -14,6 +14,12 @@ pub enum ServerError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Another process works on the folder.
+    #[error("{folder}: another server works on this folder")]
+    FolderTaken {
+        /// Which folder.
+        folder: PathBuf,
+    },
     /// A file of the journal is damaged where no crash can have cut it.
     #[error("{path}: byte {byte}: {what}: the journal is damaged")]
     JournalDamage {
@@ -56,6 +62,9 @@ pub enum ServerError {
     /// The start was interrupted.
     #[error("the start was interrupted")]
     Stopped,
+    /// Nobody waits for the snapshot any more.
+    #[error("a snapshot was given up before it was whole")]
+    SnapshotGivenUp,
     /// No file is open to write to, after an earlier failure.
     #[error("{path}: cannot be made")]
     NoSegment {

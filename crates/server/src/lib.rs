@@ -3,18 +3,20 @@
 pub mod api;
 pub mod auth;
 mod clock;
+mod console;
 mod error;
 pub mod export;
 pub mod feed;
 pub mod ingest;
 pub mod journal;
+mod lock;
 pub mod pipeline;
 mod run;
 mod server;
 pub mod store;
 mod writer;
 
-pub use clock::now;
+pub use clock::{Clock, FASTEST, Pace, now};
 pub use error::ServerError;
 pub use run::{Parts, Settings, start};
 pub use server::{Server, Serving};

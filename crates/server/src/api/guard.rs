@@ -41,6 +41,9 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
     let path = request.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
     let access = guard.table.of(&request.method, path);
     let upgrade = request.headers.contains_key(header::UPGRADE);
+    if access == Some(Access::Page) {
+        return Ok(None);
+    }
     if access == Some(Access::Open) {
         return same_origin(&request.headers).map(|()| None);
     }
@@ -58,7 +61,7 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
             if principal.may(permission) { Ok(Some(principal)) } else { Err(refused(&principal, permission)) }
         }
         // No route: the fallbacks answer 404 and 405, to those who may know.
-        (Some(Access::Open) | None, principal) => Ok(principal),
+        (Some(Access::Open | Access::Page) | None, principal) => Ok(principal),
     }
 }
 

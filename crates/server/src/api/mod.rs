@@ -27,7 +27,9 @@ pub use serve::{TlsFiles, serve};
 pub use timestamp::Timestamp;
 pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
-use crate::auth::{Auth, Permission, WallClock};
+use crate::auth::{Auth, Permission};
+use crate::clock::Clock;
+use crate::console;
 use crate::feed::Feed;
 use crate::ingest::{CommandError, Door};
 use crate::store::{AuditRecord, Store};
@@ -79,8 +81,8 @@ pub struct Context {
     pub settings: ApiSettings,
     /// The settings in force, as `GET /api/v1/settings` shows them; without secrets.
     pub shown_settings: Value,
-    /// The time of day.
-    pub clock: WallClock,
+    /// The time of the mine.
+    pub clock: Clock,
 }
 
 impl Context {
@@ -126,7 +128,7 @@ impl Context {
         detail: Value,
     ) -> Result<(), ApiError> {
         let entry = AuditRecord {
-            time: (self.clock)(),
+            time: self.clock.now(),
             who: who.into(),
             what: what.into(),
             source: address.to_string(),
@@ -143,7 +145,14 @@ fn all_routes() -> Routes {
         .open(routes!(health::liveness))
         .needs(Permission::SeeLive, routes!(metrics::metrics))
         .needs(Permission::SeeLive, routes!(openapi::openapi));
-    omlox::mount(v1::mount(routes))
+    let routes = omlox::mount(v1::mount(routes));
+    console::pages().iter().fold(routes, Routes::page)
+}
+
+/// Methods and paths of all routes that need nothing: of the API, then pages.
+pub fn open_routes() -> Vec<String> {
+    let (_, _, table) = all_routes().finish();
+    table.open()
 }
 
 /// All routes behind the one layer.

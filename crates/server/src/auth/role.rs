@@ -129,13 +129,15 @@ pub enum Permission {
     ManageTokens,
     /// The settings in force.
     SeeSettings,
+    /// How fast the clock of a simulated shift goes.
+    SetClock,
     /// Send observations and positions.
     Ingest,
 }
 
 impl Permission {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::OwnAccount,
         Self::SeeLive,
         Self::SeeHistory,
@@ -150,6 +152,7 @@ impl Permission {
         Self::ManageUsers,
         Self::ManageTokens,
         Self::SeeSettings,
+        Self::SetClock,
         Self::Ingest,
     ];
 
@@ -190,6 +193,7 @@ impl Permission {
             Self::ManageUsers => (Role::Admin, "manage-users", "add, change and delete users"),
             Self::ManageTokens => (Role::Admin, "manage-tokens", "make and revoke API tokens"),
             Self::SeeSettings => (Role::Admin, "see-settings", "see the settings in force"),
+            Self::SetClock => (Role::Admin, "set-clock", "set the speed of a simulated shift"),
             Self::Ingest => (
                 Role::Admin,
                 "ingest",

@@ -2,6 +2,7 @@
 
 use super::follower::{Arrival, Follower, TagHealth};
 use super::profile::Profiles;
+use adit_nlos::network::Scratch;
 use adit_observation::wire::PacketReader;
 use adit_tracking::Input;
 use prost::bytes::Bytes;
@@ -14,6 +15,7 @@ pub struct Shard {
     followers: BTreeMap<String, Follower>,
     profiles: Arc<Profiles>,
     reader: PacketReader,
+    scratch: Scratch,
     /// The last tag that the running snapshot has.
     kept: Option<String>,
     /// Tags that came since it began.
@@ -52,6 +54,7 @@ impl Shard {
             followers: BTreeMap::new(),
             profiles,
             reader: PacketReader::default(),
+            scratch: Scratch::default(),
             kept: None,
             came_since: Vec::new(),
         }
@@ -93,7 +96,7 @@ impl Shard {
         if arrival.position.is_some_and(|position| position <= follower.applied()) {
             return;
         }
-        follower.take(packet, arrival, profile, inputs);
+        follower.take(packet, arrival, (profile, &mut self.scratch), inputs);
     }
 
     /// How a tag is followed.

@@ -4,6 +4,7 @@ mod account;
 mod feed;
 mod house;
 mod omlox;
+mod pages;
 mod people;
 mod tls;
 mod walk;

@@ -1,6 +1,7 @@
 //! adit's own API: everything that omlox has no word for, and the console's needs.
 
 mod alarms;
+mod clock;
 mod exports;
 mod following;
 mod history;
@@ -36,6 +37,8 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::Export, routes!(exports::alarms))
         .needs(Permission::SeeAudit, routes!(history::audit))
         .needs(Permission::SeeSettings, routes!(site::settings))
+        .needs(Permission::SeeLive, routes!(clock::now))
+        .needs(Permission::SetClock, routes!(clock::set))
         .needs(Permission::Ingest, large(routes!(site::observations)))
 }
 
