@@ -110,6 +110,11 @@ export class PeopleLayer extends Layer {
     return nearest;
   }
 
+  /** Who is drawn now. */
+  *shown(): Iterable<Walker> {
+    for (const { walker } of this.#list) yield walker;
+  }
+
   #advance(wall: number): boolean {
     let moved = false;
     for (const walker of this.source.walkers()) if (walker.advance(wall)) moved = true;
@@ -339,10 +344,10 @@ function names(
   context.strokeStyle = look.palette.ground;
   const write = ({ walker, x, y, alpha }: Shown, always: boolean) => {
     const cells = Math.ceil((walker.name.length * 7 + 14) / 24);
-    const [column, row] = [Math.floor(x / 24), Math.floor(y / 16)];
-    const key = (cell: number) => row * 4096 + column + cell;
-    if (!always) for (let cell = 0; cell < cells; cell += 1) if (taken.has(key(cell))) return;
-    for (let cell = 0; cell < cells; cell += 1) taken.add(key(cell));
+    const [column, row] = [Math.floor(x / 24), Math.floor((y - 8) / 8)];
+    const key = (cell: number) => (row + (cell & 1)) * 4096 + column + (cell >> 1);
+    if (!always) for (let cell = 0; cell < 2 * cells; cell += 1) if (taken.has(key(cell))) return;
+    for (let cell = 0; cell < 2 * cells; cell += 1) taken.add(key(cell));
     written += 1;
     context.globalAlpha = Math.max(alpha, 0.6);
     context.fillStyle = walker.trouble === "urgent" ? look.palette.danger : look.palette.text;
