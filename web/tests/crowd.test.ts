@@ -96,20 +96,20 @@ test("10,000 people are drawn without freezing", async () => {
   more.walk();
   await page.waitForTimeout(3000);
   const moving = await frames(page, 8);
-  more.halt();
   console.log(`10,000 people: ${words(moving)}`);
   expect(still.count).toBeGreaterThan(20);
   // Ten pictures a second: it can be worked with.
   expect(moving.median).toBeLessThanOrEqual(100);
-  // It answers: a level is chosen within a second.
-  const asked = Date.now();
-  await page
-    .getByRole("button", { name: /300 m level/ })
-    .first()
-    .click();
-  await page.waitForSelector('button[aria-pressed=true]:has-text("300 m level")');
-  const answered = Date.now() - asked;
-  console.log(`10,000 people: a level chosen in ${answered} ms`);
+  // It answers: from the click on a level to the second frame after it.
+  const answered = await page.evaluate(async () => {
+    const button = [...document.querySelectorAll<HTMLButtonElement>(".levels button")].find((one) => one.textContent?.includes("300 m level"));
+    const began = performance.now();
+    button?.click();
+    for (let frame = 0; frame < 2; frame += 1) await new Promise(requestAnimationFrame);
+    return button?.getAttribute("aria-pressed") === "true" ? performance.now() - began : Infinity;
+  });
+  console.log(`10,000 people: a level chosen in ${answered.toFixed(0)} ms`);
+  more.halt();
   expect(answered).toBeLessThan(1000);
   await page.context().close();
 }, 300_000);
