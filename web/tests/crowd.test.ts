@@ -102,7 +102,9 @@ test("10,000 people are drawn without freezing", async () => {
   expect(moving.median).toBeLessThanOrEqual(100);
   // It answers: from the click on a level to the second frame after it.
   const answered = await page.evaluate(async () => {
-    const button = [...document.querySelectorAll<HTMLButtonElement>(".levels button")].find((one) => one.textContent?.includes("300 m level"));
+    const button = [...document.querySelectorAll<HTMLButtonElement>(".levels button")].find((one) =>
+      one.textContent?.includes("300 m level"),
+    );
     const began = performance.now();
     button?.click();
     for (let frame = 0; frame < 2; frame += 1) await new Promise(requestAnimationFrame);

@@ -11,7 +11,7 @@ import { stage, test } from "./support/stage";
 
 const at = stage(86, 80);
 /** Written only when asked for: pictures change with every run. */
-const folder = process.env["ADIT_PICTURES"] === undefined ? null : resolve(process.env["ADIT_PICTURES"]);
+const folder = process.env["ADIT_PICTURES"] ? resolve(process.env["ADIT_PICTURES"]) : null;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const mine = resolve(import.meta.dirname, "../../mines/two-level.toml");
 
@@ -135,6 +135,14 @@ test("the evacuation board passes axe-core, both themes; a phone and a wall", as
   await phone.page.waitForTimeout(1500);
   await picture(phone.page, "phone-evacuation");
   await phone.page.context().close();
+  const wall = await open(at.browser, at.server, { viewport: { width: 1920, height: 1080 } });
+  await show(wall.page, "#/settings");
+  await wall.page.getByRole("radio", { name: /wall/ }).check();
+  await show(wall.page, "#/evacuation");
+  await wall.page.waitForTimeout(1500);
+  await picture(wall.page, "wall-evacuation");
+  for (const one of await violations(wall.page)) found.push(`wall: ${one}`);
+  await wall.page.context().close();
   const chinese = await open(at.browser, at.server, { language: "zh", viewport: { width: 1280, height: 800 } });
   await show(chinese.page, "#/map?level=all");
   await chinese.page.waitForTimeout(2000);

@@ -35,6 +35,8 @@ export const en = {
   "link.lost": "Connection lost.",
   "link.old": "Positions are {age} old.",
   "link.again": "Trying again by itself.",
+  "link.view-failed": "This view cannot be loaded: the server is away, or it is newer than this page.",
+  "link.reload": "Load the page again",
   "link.unreachable": "The server cannot be reached. Trying again …",
 
   "sound.mute": "Mute alarms",
@@ -320,7 +322,7 @@ export const en = {
   "person.back": "Back to all people",
   "person.no-zone": "in no zone",
   "person.protection": "outside {m} in 1 of 1,000 at most",
-  "person.heard": "heard {age} ago by {gateway}",
+  "person.heard": "last heard: {age}, by {gateway}",
   "person.motion": "Motion",
   "person.since": "for {age}",
   "person.mark-out": "Seen outside",
@@ -456,6 +458,7 @@ export const en = {
   "editor.north": "North, m",
   "editor.height": "Height, m",
   "editor.anchors-note": "Changes of anchors are in force from the next start of the server.",
+  "editor.waits": "from the next start",
   "editor.anchor-saved": "Kept: {id}, in force from the next start",
 
   "settings.look": "Look",

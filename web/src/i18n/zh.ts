@@ -37,6 +37,8 @@ export const zh: Words = {
   "link.lost": "连接中断。",
   "link.old": "位置数据已过时 {age}。",
   "link.again": "正在自动重连。",
+  "link.view-failed": "无法加载此视图：服务器不可用，或服务器已更新。",
+  "link.reload": "重新加载页面",
   "link.unreachable": "无法连接服务器，正在重试……",
 
   "sound.mute": "关闭报警声音",
@@ -322,7 +324,7 @@ export const zh: Words = {
   "person.back": "返回人员列表",
   "person.no-zone": "不在任何区域",
   "person.protection": "超出 {m} 的概率不大于千分之一",
-  "person.heard": "{age}前通信，网关 {gateway}",
+  "person.heard": "最近通信：{age}，网关 {gateway}",
   "person.motion": "运动状态",
   "person.since": "已 {age}",
   "person.mark-out": "标记为已升井",
@@ -458,6 +460,7 @@ export const zh: Words = {
   "editor.north": "北（米）",
   "editor.height": "高程（米）",
   "editor.anchors-note": "基站的修改在服务器下次启动后生效。",
+  "editor.waits": "下次启动后生效",
   "editor.anchor-saved": "已保存：{id}，下次启动后生效",
 
   "settings.look": "显示",

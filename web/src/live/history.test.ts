@@ -47,3 +47,17 @@ test("finds the last time not after a moment", () => {
   const times = Float64Array.from([1, 3, 3, 8]);
   expect([0, 1, 2, 3, 7, 8, 9].map((time) => lastBefore(times, time))).toEqual([-1, 0, 0, 2, 2, 3, 3]);
 });
+
+test("who changes tags has one course", () => {
+  const column = { radius_95_m: [1], quality: ["fixed"], level: ["l300"] };
+  const courses = coursesOf({
+    from: "2026-11-23T01:00:00.000Z",
+    until: "2026-11-23T02:00:00.000Z",
+    step_s: 1,
+    people: [
+      { person: "p1", tag: "t2", time_s: [60], position_m: [[2, 0, 0]], ...column },
+      { person: "p1", tag: "t1", time_s: [0], position_m: [[1, 0, 0]], ...column },
+    ],
+  });
+  expect(courses.map((course) => course.places.map(([east]) => east))).toEqual([[1, 2]]);
+});

@@ -19,17 +19,39 @@ export interface Course {
   levels: (string | null)[];
 }
 
+/** Of everybody. Who wore several tags one after the other has several entries in the answer and one course here. */
 export function coursesOf(history: HistoryPositions): Course[] {
   const from = Date.parse(history.from);
-  return history.people.map((one) => ({
-    key: keyOf(one.person, one.tag),
+  const courses = new Map<string, Course>();
+  for (const one of history.people) {
+    const key = keyOf(one.person, one.tag);
+    const course: Course = {
+      key,
+      person: one.person,
+      times: Float64Array.from(one.time_s, (time) => from + time * 1000),
+      places: one.position_m,
+      radii: one.radius_95_m,
+      qualities: one.quality,
+      levels: one.level,
+    };
+    const before = courses.get(key);
+    courses.set(key, before ? joined(before, course) : course);
+  }
+  return [...courses.values()];
+}
+
+function joined(one: Course, other: Course): Course {
+  const all = [one, other].flatMap((course) => Array.from(course.times, (time, index) => ({ time, course, index })));
+  all.sort((a, b) => a.time - b.time);
+  return {
+    key: one.key,
     person: one.person,
-    times: Float64Array.from(one.time_s, (time) => from + time * 1000),
-    places: one.position_m,
-    radii: one.radius_95_m,
-    qualities: one.quality,
-    levels: one.level,
-  }));
+    times: Float64Array.from(all, (it) => it.time),
+    places: all.map((it) => it.course.places[it.index]!),
+    radii: all.map((it) => it.course.radii[it.index]!),
+    qualities: all.map((it) => it.course.qualities[it.index]!),
+    levels: all.map((it) => it.course.levels[it.index] ?? null),
+  };
 }
 
 export function courseOfTrack(key: string, person: string | null, track: Track): Course {

@@ -308,10 +308,10 @@ function names(
   context.strokeStyle = look.palette.ground;
   const write = ({ walker, x, y, alpha }: Shown, always: boolean) => {
     const cells = Math.ceil((walker.name.length * 7 + 14) / 24);
-    const [column, row] = [Math.floor(x / 24), Math.floor((y - 8) / 8)];
-    const key = (cell: number) => (row + (cell & 1)) * 4096 + column + (cell >> 1);
-    if (!always) for (let cell = 0; cell < 2 * cells; cell += 1) if (taken.has(key(cell))) return;
-    for (let cell = 0; cell < 2 * cells; cell += 1) taken.add(key(cell));
+    const [column, row] = [Math.floor(x / 24), Math.floor((y - 8) / 6)];
+    const key = (cell: number) => (row + (cell % 3)) * 4096 + column + Math.floor(cell / 3);
+    if (!always) for (let cell = 0; cell < 3 * cells; cell += 1) if (taken.has(key(cell))) return;
+    for (let cell = 0; cell < 3 * cells; cell += 1) taken.add(key(cell));
     written += 1;
     context.globalAlpha = Math.max(alpha, 0.6);
     context.fillStyle = walker.trouble === "urgent" ? look.palette.danger : look.palette.text;
