@@ -11,6 +11,7 @@ pub mod ingest;
 pub mod journal;
 mod lock;
 pub mod pipeline;
+mod plan_changes;
 mod run;
 mod server;
 pub mod store;
@@ -18,5 +19,6 @@ mod writer;
 
 pub use clock::{Clock, FASTEST, Pace, now};
 pub use error::ServerError;
+pub use plan_changes::{AnchorChange, PlanChanges, PlanDesk, with_changes};
 pub use run::{Parts, Settings, start};
 pub use server::{Server, Serving};

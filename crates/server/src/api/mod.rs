@@ -27,6 +27,7 @@ pub use serve::{TlsFiles, serve};
 pub use timestamp::Timestamp;
 pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
+use crate::PlanDesk;
 use crate::auth::{Auth, Permission};
 use crate::clock::Clock;
 use crate::console;
@@ -83,6 +84,8 @@ pub struct Context {
     pub shown_settings: Value,
     /// The time of the mine.
     pub clock: Clock,
+    /// Changes of the plan.
+    pub plan: PlanDesk,
 }
 
 impl Context {

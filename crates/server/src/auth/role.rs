@@ -183,7 +183,7 @@ impl Permission {
             Self::ManageZones => (
                 Role::SafetyOfficer,
                 "manage-zones",
-                "add, change and remove zones, forget gateways and anchors",
+                "add, change and remove zones and the anchors of the plan, forget gateways and anchors",
             ),
             Self::Export => (Role::SafetyOfficer, "export", "export tracks, events and alarms"),
             Self::SeeAudit => (Role::SafetyOfficer, "see-audit", "read the audit log"),

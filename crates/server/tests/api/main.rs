@@ -5,6 +5,7 @@ mod feed;
 mod house;
 mod omlox;
 mod pages;
+mod past;
 mod people;
 mod tls;
 mod walk;
