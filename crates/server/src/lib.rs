@@ -11,6 +11,7 @@ pub mod journal;
 mod lock;
 pub mod pipeline;
 mod run;
+mod seldom;
 mod server;
 pub mod store;
 mod writer;

@@ -34,6 +34,7 @@ pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Re
 pub use retention::{Retained, Retention};
 pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
 pub use verify::{AuditBreak, AuditQuery, AuditVerdict};
+pub(crate) use writing::Writing;
 
 use names::Names;
 use sqlx::sqlite::{
