@@ -1,6 +1,7 @@
 //! A server as somebody starts it, and a load.
 
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -90,19 +91,19 @@ impl Served {
         }
     }
 
-    /// When the newest live position is of.
-    pub async fn newest(&self, token: &str) -> String {
+    /// When the live position of each tag is of.
+    pub async fn positions(&self, token: &str) -> BTreeMap<String, jiff::Timestamp> {
         let (status, live) = self.ask("GET", "/api/v1/live", token, None).await;
         assert_eq!(status, 200, "{live}");
-        let mut times = Vec::new();
-        collect_times(&live, &mut times);
-        times.into_iter().max().unwrap_or_default()
+        let mut times = BTreeMap::new();
+        collect(&live, &mut times);
+        times
     }
 
     /// Waits until tags have positions.
     pub async fn wait_for_positions(&self, token: &str) {
         for _ in 0..1200 {
-            if !self.newest(token).await.is_empty() {
+            if !self.positions(token).await.is_empty() {
                 return;
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
@@ -127,11 +128,30 @@ impl Served {
         lines.map(fix).collect()
     }
 
-    /// The longest time between two stored fixes of a tag, s, and how many there are.
-    pub async fn longest_gap(&self, token: &str, tag: &str) -> (f64, usize) {
-        let mut times: Vec<f64> = self.track(token, tag).await.into_iter().map(|(time, _)| time).collect();
-        times.sort_by(f64::total_cmp);
-        (times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max), times.len())
+    /// Checks that the history of a tag has no hole, from before a moment up to the live position, which may be on its way.
+    pub async fn check_history(&self, token: &str, tag: &str, before: jiff::Timestamp) {
+        let newest = self.positions(token).await[tag].as_millisecond() as f64 / 1e3;
+        let mut times = Vec::new();
+        for _ in 0..100 {
+            times = self.track(token, tag).await.into_iter().map(|(time, _)| time).collect();
+            times.sort_by(f64::total_cmp);
+            if times.last().is_some_and(|last| *last > newest - 0.002) {
+                break;
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        let longest = times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        let (first, last) = (times[0], times[times.len() - 1]);
+        println!("{tag}: {} fixes in {:.1} s, the longest gap {longest:.1} s", times.len(), last - first);
+        // Stored to the ms.
+        assert!(
+            last > newest - 0.002,
+            "the last stored fix is {:.3} s older than the live one",
+            newest - last
+        );
+        assert!(first < before.as_millisecond() as f64 / 1e3 + 0.002, "the history begins late");
+        // A fix a second; a tag that stands still may have one in two.
+        assert!(longest < 2.5, "a gap of {longest:.1} s");
     }
 
     /// The power goes.
@@ -200,18 +220,19 @@ pub fn report(load: Child) -> Value {
     report
 }
 
-/// Every member `time` of an answer.
-fn collect_times(value: &Value, times: &mut Vec<String>) {
+/// Every position in an answer.
+fn collect(value: &Value, times: &mut BTreeMap<String, jiff::Timestamp>) {
     match value {
         Value::Object(members) => {
-            for (name, member) in members {
-                match member {
-                    Value::String(time) if name == "time" => times.push(time.clone()),
-                    other => collect_times(other, times),
-                }
+            let text = |name| members.get(name).and_then(Value::as_str);
+            if let (Some(tag), Some(time), true) =
+                (text("tag"), text("time"), members.contains_key("position_m"))
+            {
+                times.insert(tag.to_owned(), time.parse().unwrap());
             }
+            members.values().for_each(|member| collect(member, times));
         }
-        Value::Array(items) => items.iter().for_each(|item| collect_times(item, times)),
+        Value::Array(items) => items.iter().for_each(|item| collect(item, times)),
         _ => {}
     }
 }
