@@ -1,10 +1,14 @@
 # The few commands of the repository. A fresh machine needs Rust (rustup), a C compiler, and the Rust package registry.
-.PHONY: help demo test bench results
+.PHONY: help console demo test bench results
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s  %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: ## build adit and track an example walk that it simulates itself
+# The console is part of the binary where npm is there to build it; without npm the server says so on its page.
+console:
+	@bash ci/console.sh
+
+demo: console ## build adit and track an example walk that it simulates itself
 	cargo run --locked --release -p adit-cli --bin adit -- demo
 	@echo
 	@echo "\`adit\` is $${CARGO_TARGET_DIR:-target}/release/adit; to have it on your path: cargo install --locked --path crates/cli"

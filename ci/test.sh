@@ -92,6 +92,7 @@ nextest() {
     fi
 }
 
+check console ci/console.sh
 check format cargo fmt --all --check
 check repository bash ci/check-docs.sh
 check clippy cargo clippy --locked --workspace --all-targets -- -D warnings

@@ -30,12 +30,13 @@ use adit_evaluation::alignment::Alignment;
 use clap::error::{Error as UsageError, ErrorKind};
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand, ValueHint};
 use std::fmt;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 const EXAMPLES: &str = "\
 Examples:
-  adit demo                                          see it work on a simulated walk
+  adit demo                                          a simulated shift of 200 people, live in the console
   adit track walk_imu.csv.gz --method foot-ins -o walk.tum
   adit eval walk.tum --truth walk_truth.csv --plot walk.svg
 
@@ -43,8 +44,9 @@ Exit code: 0 done, 1 the work failed, 2 wrong usage. Errors are one line on stde
 
 const DEMO_EXAMPLES: &str = "\
 Examples:
-  adit demo
-  adit demo --seed 7 --out /tmp/demo";
+  adit demo                                          200 people, ten times as fast as real time; opens the console
+  adit demo --speed 4 --listen 0.0.0.0:8080          for others on the network to look at
+  adit demo --walk --out /tmp/walk                   one walk, tracked and judged";
 
 const SIMULATE_EXAMPLES: &str = "\
 The scenario is a TOML file; scenarios/s2.toml (one walk) and scenarios/shift.toml (everybody in a mine) of the repository are
@@ -141,7 +143,7 @@ impl Adit {
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Simulate a walk through a mine, track it and judge the result
+    /// Watch a simulated shift live: people at work, a fall, a power cut, an evacuation
     Demo(DemoArgs),
     /// Make a log and its truth from a scenario
     Simulate(SimulateArgs),
@@ -175,13 +177,45 @@ pub enum Verb {
 #[derive(Debug, Args)]
 #[command(after_help = DEMO_EXAMPLES)]
 pub struct DemoArgs {
-    /// Folder for the log, the truth, the estimate and the figures
-    #[arg(long, value_name = "DIR", default_value = "out/demo", value_hint = ValueHint::DirPath)]
-    pub out: PathBuf,
+    /// One walk instead of a shift: simulated, tracked from its log and judged
+    #[arg(long, conflicts_with_all = ["people", "speed", "minutes", "listen", "no_browser"])]
+    pub walk: bool,
+
+    /// Folder for everything that is written; a shift without it is removed at the end, a walk goes to out/demo
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
 
     /// Seed of every random draw; 1 when not given here
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+
+    /// People of the shift
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(4..=2000))]
+    pub people: u32,
+
+    /// How many times as fast as real time, 1 to 100
+    #[arg(long, value_name = "X", default_value_t = 10.0, value_parser = speed)]
+    pub speed: f64,
+
+    /// End after so many minutes of the shift; of less than 40 the story is told in less [default: Ctrl-C]
+    #[arg(long, value_name = "MINUTES", value_parser = minutes)]
+    pub minutes: Option<f64>,
+
+    /// Address of the console; 127.0.0.1:8080 when not given, or any port where that is taken
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub listen: Option<SocketAddr>,
+
+    /// Open no browser
+    #[arg(long)]
+    pub no_browser: bool,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    number(text, |v| (1.0..=100.0).contains(&v), "a number from 1 to 100")
+}
+
+fn minutes(text: &str) -> Result<f64, String> {
+    number(text, |v| (1.0..=240.0).contains(&v), "minutes from 1 to 240")
 }
 
 /// `adit simulate`.

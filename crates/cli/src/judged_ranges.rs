@@ -1,6 +1,7 @@
 //! `--nlos` and `nlos = "…"`: ranges judged before they reach a method, by a model that ships with adit or by one from a file.
 
-use adit_nlos::{Annotator, Model, SHIPPED};
+use adit_nlos::network::Scratch;
+use adit_nlos::{Links, Model, SHIPPED, annotate};
 use adit_observation::Observation;
 use anyhow::{Context, Result};
 use std::fs;
@@ -22,20 +23,22 @@ pub fn model(name: &str, folder: &Path) -> Result<Arc<Model>> {
 
 /// Ranges of a log, judged as they pass.
 pub struct JudgedRanges {
-    annotator: Annotator,
+    model: Arc<Model>,
+    links: Links,
+    scratch: Scratch,
     judged: u64,
 }
 
 impl JudgedRanges {
     /// By a model.
     pub fn by(model: &Arc<Model>) -> Self {
-        Self { annotator: Annotator::new(Arc::clone(model)), judged: 0 }
+        Self { model: Arc::clone(model), links: Links::default(), scratch: Scratch::default(), judged: 0 }
     }
 
     /// Judges the observation where it is a range that tells how its signal came in.
     pub fn see(&mut self, observation: &mut Observation) {
         if let Observation::Range(range) = observation {
-            self.judged += u64::from(self.annotator.annotate(range));
+            self.judged += u64::from(annotate(range, &self.model, &mut self.links, &mut self.scratch));
         }
     }
 

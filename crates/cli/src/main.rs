@@ -21,7 +21,11 @@ mod suite_file;
 mod truth_beside;
 mod verbs;
 
+use mimalloc::MiMalloc;
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let args = match args::Adit::from_command_line() {

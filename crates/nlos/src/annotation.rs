@@ -8,43 +8,40 @@ use crate::model::Model;
 use crate::network::Scratch;
 use crate::task::Task;
 use adit_observation::{DeviceId, Radio, RangeSample};
-use std::collections::HashMap;
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Links that are kept in mind; past that all are forgotten.
 const MOST_LINKS: usize = 4096;
 
-/// Judges ranges, one after the other.
-#[derive(Debug, Clone)]
-pub struct Annotator {
-    model: Arc<Model>,
-    scratch: Scratch,
-    links: HashMap<(Option<DeviceId>, DeviceId), LinkFilter>,
+/// What was told of links so far, by tag and anchor; of one tag or of a whole log. It can be kept and read back.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Links(BTreeMap<(Option<DeviceId>, DeviceId), LinkFilter>);
+
+impl Links {
+    /// True where nothing was judged yet.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
 }
 
-impl Annotator {
-    /// By this model.
-    pub fn new(model: Arc<Model>) -> Self {
-        Self { model, scratch: Scratch::default(), links: HashMap::new() }
+/// Judges a range of one of these links; `false` where nothing tells how its signal came in, or it is of another radio.
+pub fn annotate(range: &mut RangeSample, model: &Model, links: &mut Links, scratch: &mut Scratch) -> bool {
+    if !matches!(range.radio, Radio::Uwb | Radio::Unknown) {
+        return false;
     }
-
-    /// Judges a range; `false` where nothing tells how its signal came in, or it is of another radio.
-    pub fn annotate(&mut self, range: &mut RangeSample) -> bool {
-        if !matches!(range.radio, Radio::Uwb | Radio::Unknown) {
-            return false;
-        }
-        let Some(reception) = range.reception.as_deref() else { return false };
-        let told = self.model.judge(reception, Some(range.range_m), &mut self.scratch);
-        if self.links.len() >= MOST_LINKS {
-            self.links.clear();
-        }
-        let (model, link) = (&self.model, (range.tag.clone(), range.anchor.clone()));
-        let filter = self.links.entry(link).or_insert_with(|| LinkFilter::new(model, Persistence::default()));
-        let believed = filter.update(range.time, &told);
-        range.line_of_sight = Some(f64::from(believed[0].clamp(0.0, 1.0)));
-        range.in_the_way = (model.task == Task::InTheWay).then_some(believed);
-        true
+    let Some(reception) = range.reception.as_deref() else { return false };
+    let told = model.judge(reception, Some(range.range_m), scratch);
+    let Links(links) = links;
+    if links.len() >= MOST_LINKS {
+        links.clear();
     }
+    let link = (range.tag.clone(), range.anchor.clone());
+    let filter = links.entry(link).or_insert_with(|| LinkFilter::new(model, Persistence::default()));
+    let believed = filter.update(range.time, &told);
+    range.line_of_sight = Some(f64::from(believed[0].clamp(0.0, 1.0)));
+    range.in_the_way = (model.task == Task::InTheWay).then_some(believed);
+    true
 }
 
 #[cfg(test)]
@@ -53,6 +50,7 @@ mod tests {
     use super::*;
     use adit_core::time::Time;
     use adit_observation::{DeviceId, Reception};
+    use std::sync::Arc;
 
     /// A range whose first path is so much below the whole signal, dB.
     fn range(below: f32) -> RangeSample {
@@ -77,11 +75,10 @@ mod tests {
 
     #[test]
     fn a_range_gets_what_the_model_says_of_its_reception() {
-        let model = Arc::new(Model::shipped().unwrap());
+        let model = Model::shipped().unwrap();
         let told = |below: f32| {
-            let mut annotator = Annotator::new(Arc::clone(&model));
             let mut range = range(below);
-            assert!(annotator.annotate(&mut range));
+            assert!(annotate(&mut range, &model, &mut Links::default(), &mut Scratch::default()));
             let reception = range.reception.as_deref().unwrap();
             let expected = model.judge(reception, Some(4.0), &mut Scratch::default())[0];
             let found = range.line_of_sight.unwrap();
@@ -93,12 +90,12 @@ mod tests {
 
     #[test]
     fn what_nothing_is_told_of_stays_as_it_was() {
-        let mut annotator = Annotator::new(Arc::new(Model::shipped().unwrap()));
+        let model = Model::shipped().unwrap();
         let bare = RangeSample { reception: None, line_of_sight: Some(0.25), ..range(2.0) };
         let wifi = RangeSample { radio: Radio::Wifi, ..range(2.0) };
         for before in [bare, wifi] {
             let mut after = before.clone();
-            assert!(!annotator.annotate(&mut after));
+            assert!(!annotate(&mut after, &model, &mut Links::default(), &mut Scratch::default()));
             assert_eq!(after, before);
         }
     }

@@ -7,7 +7,7 @@
 //! - [`features`]: what can be measured by hand; [`baseline`]: their normal scores and a linear discriminant for each of two or three questions ([`task`]).
 //! - [`network`]: convolutions and an LSTM over the response (system S4: Jia et al. 2024), added to the discriminant; learnt with candle (feature `train`), asked by a kernel of our own.
 //! - [`calibration`]: probabilities that hold; [`measures`]: how good they are; [`judging`], [`folds`]: on geometries held out, never on ranges drawn at random.
-//! - [`Annotator`]: ranges judged on their way into a method, what was told of a link before kept in mind ([`LinkFilter`]).
+//! - [`annotate`]: ranges judged on their way into a method, what was told of a link before kept in mind ([`LinkFilter`]).
 //! - [`learning`]: all of it, from labelled ranges ([`adit_observation::csv_log::labelled`]) to a [`Model`] and its record.
 //!
 //! Limits: receivers in the terms of a DW1000; ranges of another device have other powers and noise, and want a model of their own.
@@ -32,7 +32,7 @@ pub mod task;
 pub mod training;
 pub mod window;
 
-pub use annotation::Annotator;
+pub use annotation::{Links, annotate};
 pub use error::NlosError;
 pub use link_filter::{LinkFilter, Persistence};
 pub use model::{

@@ -9,9 +9,10 @@
 
 use crate::model::{Model, Probabilities};
 use adit_core::time::Time;
+use serde::{Deserialize, Serialize};
 
 /// How long the way lasts and how much a response counts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Persistence {
     /// How often the way changes, λ, 1/s.
     pub rate_per_s: f64,
@@ -30,7 +31,7 @@ impl Default for Persistence {
 const FLOOR: f32 = 1e-4;
 
 /// What is believed of one link.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinkFilter {
     persistence: Persistence,
     shares: Probabilities,

@@ -62,6 +62,9 @@ pub enum ServerError {
     /// The start was interrupted.
     #[error("the start was interrupted")]
     Stopped,
+    /// Nobody waits for the snapshot any more.
+    #[error("a snapshot was given up before it was whole")]
+    SnapshotGivenUp,
     /// No file is open to write to, after an earlier failure.
     #[error("{path}: cannot be made")]
     NoSegment {

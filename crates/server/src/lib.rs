@@ -3,6 +3,7 @@
 pub mod api;
 pub mod auth;
 mod clock;
+mod console;
 mod error;
 pub mod export;
 pub mod feed;
@@ -16,7 +17,7 @@ mod server;
 pub mod store;
 mod writer;
 
-pub use clock::now;
+pub use clock::{Clock, FASTEST, Pace, now};
 pub use error::ServerError;
 pub use run::{Parts, Settings, start};
 pub use server::{Server, Serving};

@@ -1,7 +1,7 @@
 //! The parts that work, without the API: journal, pipeline, store, broker.
 
 use crate::api::Health;
-use crate::clock;
+use crate::clock::{Clock, Pace};
 use crate::error::ServerError;
 use crate::ingest::Door;
 use crate::ingest::mqtt::{self, MqttSettings};
@@ -19,7 +19,7 @@ use std::sync::{Arc, RwLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
-use tokio::time::MissedTickBehavior;
+use tokio::time::{Interval, MissedTickBehavior};
 
 /// What a server needs to know.
 pub struct Settings {
@@ -41,6 +41,8 @@ pub struct Settings {
     pub retention: Retention,
     /// The broker of the gateways, where there is one.
     pub mqtt: Option<MqttSettings>,
+    /// The time of the mine.
+    pub clock: Clock,
 }
 
 /// The parts that work, for whoever serves the API.
@@ -65,7 +67,8 @@ pub async fn start(
     settings: Settings,
     mut told: impl FnMut(&RoundOutcome, &RwLock<Tracking>) + Send + 'static,
 ) -> Result<Parts, ServerError> {
-    let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, .. } = settings;
+    let Settings { mine, profiles, rules, data, shards, snapshot_every, retention, mqtt, clock, .. } =
+        settings;
     std::fs::create_dir_all(&data).map_err(|source| ServerError::io(&data, source))?;
     let lock = FolderLock::take(&data)?;
     let store = Store::open(&data.join("adit.sqlite")).await?;
@@ -74,11 +77,12 @@ pub async fn start(
     let mut tasks = Vec::new();
     let health = Arc::new(Health::default());
     let written = Arc::clone(&stored);
+    let of_store = clock.clone();
     tasks.push(tokio::spawn(writer::write(
         store.clone(),
         Arc::clone(&mine),
         retention,
-        clock::now,
+        move || of_store.now(),
         written,
         Arc::clone(&health),
         outcomes,
@@ -106,8 +110,9 @@ pub async fn start(
     let (pipeline, journal, gateways, outlet) = opened.await.map_err(|_| ServerError::Stopped)??;
     let tracking = pipeline.tracking();
 
+    let of_journal = clock.clone();
     let (committer, groups, journal_thread) =
-        Committer::start(journal, gateways, clock::now, Arc::clone(&health))?;
+        Committer::start(journal, gateways, move || of_journal.now(), Arc::clone(&health))?;
     let (asked, questions) = channel();
     let trimmer = committer.clone();
     let pipeline_thread = std::thread::Builder::new()
@@ -117,7 +122,7 @@ pub async fn start(
 
     let door = Door::new(committer, asked.clone());
     let (stop, stopped) = watch::channel(false);
-    tasks.push(tokio::spawn(tick(door.clone(), stopped.clone())));
+    tasks.push(tokio::spawn(tick(door.clone(), clock, stopped.clone())));
     if let Some(mqtt) = mqtt {
         let (door, health) = (door.clone(), Arc::clone(&health));
         tasks.push(tokio::spawn(async move { mqtt::listen(&mqtt, door, health, stopped).await }));
@@ -151,17 +156,27 @@ impl Parts {
     }
 }
 
-/// A tick each second, until told to stop.
-async fn tick(door: Door, mut stop: watch::Receiver<bool>) {
-    let mut seconds = tokio::time::interval(Duration::from_secs(1));
-    seconds.set_missed_tick_behavior(MissedTickBehavior::Skip);
+/// A tick each second of the mine, until told to stop.
+async fn tick(door: Door, clock: Clock, mut stop: watch::Receiver<bool>) {
+    let mut changes = clock.changes();
+    let mut seconds = beats(clock.pace());
     loop {
         tokio::select! {
             _ = seconds.tick() => {}
+            Ok(()) = changes.changed() => {
+                seconds = beats(clock.pace());
+                continue;
+            }
             _ = stop.wait_for(|stop| *stop) => return,
         }
         if let Err(error) = door.tick().await {
             tracing::debug!("{error}");
         }
     }
+}
+
+fn beats(pace: Pace) -> Interval {
+    let mut seconds = tokio::time::interval(Duration::from_secs_f64(1.0 / pace.speed));
+    seconds.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    seconds
 }

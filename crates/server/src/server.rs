@@ -2,7 +2,7 @@
 
 use crate::api::{self, ApiSettings, Context, Metrics, TlsFiles};
 use crate::auth::{Auth, AuthSettings, WallClock};
-use crate::clock;
+use crate::clock::now;
 use crate::error::ServerError;
 use crate::feed::{Feed, FeedSettings};
 use crate::run::{self, Parts, Settings};
@@ -50,14 +50,15 @@ impl Server {
         let metrics = Metrics::of_process();
         let mine = Arc::clone(&settings.mine);
         let feed = Feed::new(feed);
+        let clock = settings.clock.clone();
         let viewers = Arc::clone(&feed);
         let parts = run::start(settings, move |outcome, _| {
             viewers.tell(outcome.fixes.iter().map(|tracked| &tracked.fix), &outcome.events);
         })
         .await?;
         feed.start(Arc::clone(&parts.tracking));
-        let wall: WallClock = Arc::new(clock::now);
-        let auth = Auth::open(parts.store.clone(), auth, Arc::clone(&wall)).await?;
+        let wall: WallClock = Arc::new(now);
+        let auth = Auth::open(parts.store.clone(), auth, wall).await?;
         let first_password = auth.first_admin().await?;
         let context = Arc::new(Context {
             mine,
@@ -70,7 +71,7 @@ impl Server {
             metrics,
             settings: api,
             shown_settings: shown,
-            clock: wall,
+            clock,
         });
         let (stop, stopped) = oneshot::channel::<()>();
         let end = async move {

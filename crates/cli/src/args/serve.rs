@@ -42,4 +42,8 @@ pub struct ServeArgs {
     /// Address of the API; 127.0.0.1:8080 when not given here or in the settings. Port 0: any that is free
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub listen: Option<SocketAddr>,
+
+    /// End when stdin does: whoever started it is gone
+    #[arg(long, hide = true)]
+    pub while_stdin: bool,
 }

@@ -37,6 +37,9 @@ pub struct PlaceParams {
     pub weather_m_sqrt_s: f64,
     /// Radius from which on the walker is lost, m.
     pub lost_m: f64,
+    /// Tell the place of the newest ranges or fix while the direction of the way is not known: who stands since the beginning is somewhere already. What is told so holds
+    /// nothing; a live server wants it.
+    pub before_direction: bool,
 }
 
 /// How dead reckoning of a carrier errs.
@@ -95,6 +98,7 @@ impl Default for PlaceParams {
             barometer_sigma_m: 1.0,
             weather_m_sqrt_s: 0.15,
             lost_m: 200.0,
+            before_direction: false,
         }
     }
 }

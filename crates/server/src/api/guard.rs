@@ -1,7 +1,7 @@
 //! The one layer that every request passes: who asks, and may they? Denied unless the table of routes allows it.
 
 use super::routes::{Access, AccessTable};
-use super::{ApiError, Context};
+use super::{ApiError, Context, client};
 use crate::auth::{Permission, Principal};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::request::Parts;
@@ -22,6 +22,7 @@ pub(super) struct Guard {
 
 pub(super) async fn guard(State(guard): State<Guard>, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
+    parts.extensions.insert(client::of(&guard.context.settings, &parts));
     match admit(&guard, &parts).await {
         Ok(principal) => {
             if let Some(principal) = principal {
@@ -41,6 +42,9 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
     let path = request.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
     let access = guard.table.of(&request.method, path);
     let upgrade = request.headers.contains_key(header::UPGRADE);
+    if access == Some(Access::Page) {
+        return Ok(None);
+    }
     if access == Some(Access::Open) {
         return same_origin(&request.headers).map(|()| None);
     }
@@ -58,7 +62,7 @@ async fn admit(guard: &Guard, request: &Parts) -> Result<Option<Principal>, ApiE
             if principal.may(permission) { Ok(Some(principal)) } else { Err(refused(&principal, permission)) }
         }
         // No route: the fallbacks answer 404 and 405, to those who may know.
-        (Some(Access::Open) | None, principal) => Ok(principal),
+        (Some(Access::Open | Access::Page) | None, principal) => Ok(principal),
     }
 }
 

@@ -4,6 +4,7 @@
 //! state under its read lock and the store; what changes the live state goes through the [`Door`] into the journal and is answered
 //! when it was applied. Whatever goes wrong is answered as [`Problem`] in JSON.
 
+mod client;
 mod error;
 mod extract;
 mod guard;
@@ -20,6 +21,7 @@ mod view;
 
 pub use error::{ApiError, Problem};
 pub use health::{Health, Part};
+pub use ipnet::IpNet;
 pub use metrics::Metrics;
 pub use openapi::document;
 pub use routes::Access;
@@ -27,7 +29,9 @@ pub use serve::{TlsFiles, serve};
 pub use timestamp::Timestamp;
 pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
-use crate::auth::{Auth, Permission, WallClock};
+use crate::auth::{Auth, Permission};
+use crate::clock::Clock;
+use crate::console;
 use crate::feed::Feed;
 use crate::ingest::{CommandError, Door};
 use crate::store::{AuditRecord, Store};
@@ -58,6 +62,8 @@ pub struct ApiSettings {
     pub open_metrics: bool,
     /// Cookies are sent over TLS only: set when a proxy in front does the TLS.
     pub secure_cookies: bool,
+    /// Networks of proxies whose `X-Forwarded-For` says who asks, for limits and the audit log; nobody's counts where it is empty.
+    pub trusted_proxies: Vec<IpNet>,
 }
 
 /// What the routes need.
@@ -82,8 +88,8 @@ pub struct Context {
     pub settings: ApiSettings,
     /// The settings in force, as `GET /api/v1/settings` shows them; without secrets.
     pub shown_settings: Value,
-    /// The time of day.
-    pub clock: WallClock,
+    /// The time of the mine.
+    pub clock: Clock,
 }
 
 impl Context {
@@ -146,7 +152,7 @@ impl Context {
         detail: Value,
     ) -> AuditRecord {
         AuditRecord {
-            time: (self.clock)(),
+            time: self.clock.now(),
             who: who.into(),
             what: what.into(),
             source: address.to_string(),
@@ -162,7 +168,14 @@ fn all_routes() -> Routes {
         .open(routes!(health::liveness))
         .needs(Permission::SeeLive, routes!(metrics::metrics))
         .needs(Permission::SeeLive, routes!(openapi::openapi));
-    omlox::mount(v1::mount(routes))
+    let routes = omlox::mount(v1::mount(routes));
+    console::pages().iter().fold(routes, Routes::page)
+}
+
+/// Methods and paths of all routes that need nothing: of the API, then pages.
+pub fn open_routes() -> Vec<String> {
+    let (_, _, table) = all_routes().finish();
+    table.open()
 }
 
 /// All routes behind the one layer.

@@ -2,7 +2,8 @@
 
 use super::Context;
 use crate::auth::Permission;
-use axum::http::Method;
+use crate::console::Page;
+use axum::http::{HeaderMap, Method};
 use std::collections::HashMap;
 use std::sync::Arc;
 use utoipa::openapi::path::Operation;
@@ -15,6 +16,8 @@ use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
 pub enum Access {
     /// Nothing: health and log-in.
     Open,
+    /// Nothing, and other sites may link to it: a page of the console.
+    Page,
     /// That the caller is allowed this.
     Needs(Permission),
     /// The same, but a WebSocket may be opened first and say who it is in its messages.
@@ -32,6 +35,14 @@ impl AccessTable {
     pub fn of(&self, method: &Method, path: &str) -> Option<Access> {
         let method = if method == Method::HEAD { Method::GET } else { method.clone() };
         self.of_route.get(&(method, path.to_owned())).copied()
+    }
+
+    /// What anybody may ask.
+    pub fn open(&self) -> Vec<String> {
+        let open = self.of_route.iter().filter(|(_, access)| matches!(access, Access::Open | Access::Page));
+        let mut open: Vec<_> = open.map(|((method, path), _)| format!("{method} {path}")).collect();
+        open.sort();
+        open
     }
 }
 
@@ -60,6 +71,14 @@ impl Routes {
     /// Mounts a WebSocket whose messages may carry the token.
     pub fn needs_inside(self, permission: Permission, routes: UtoipaMethodRouter<Arc<Context>>) -> Self {
         self.mount(Access::NeedsInside(permission), routes)
+    }
+
+    /// Mounts a page of the console, which is not of the API.
+    pub fn page(mut self, page: &'static Page) -> Self {
+        self.table.of_route.insert((Method::GET, page.path.clone()), Access::Page);
+        let answer = move |asked: HeaderMap| async move { page.answer(&asked) };
+        self.router = self.router.route(&page.path, axum::routing::get(answer));
+        self
     }
 
     fn mount(
@@ -97,7 +116,7 @@ fn describe(access: Access, operation: &mut Operation) {
     let responses = &mut operation.responses.responses;
     responses.insert("default".into(), RefOr::T(problem("not done: `message` says why")));
     let Some(permission) = (match access {
-        Access::Open => None,
+        Access::Open | Access::Page => None,
         Access::Needs(permission) | Access::NeedsInside(permission) => Some(permission),
     }) else {
         operation.security = Some(Vec::new());

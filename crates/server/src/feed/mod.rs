@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 /// How the feed behaves.
@@ -129,7 +129,9 @@ impl Feed {
             loop {
                 interval.tick().await;
                 let Some(feed) = ticking.upgrade() else { break };
+                let started = Instant::now();
                 feed.tick(&tracking);
+                metrics::histogram!("adit_feed_tick_seconds").record(started.elapsed());
             }
         });
     }

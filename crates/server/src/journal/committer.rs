@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Instant;
 use tokio::sync::{mpsc, oneshot};
 
 /// Entries that wait to be written; more hold up those who bring them.
@@ -20,7 +21,7 @@ const MOST_WAITING: usize = 8192;
 /// Entries written together.
 const MOST_TOGETHER: usize = 4096;
 /// Groups that wait for the pipeline; more hold up the writing.
-const MOST_GROUPS: usize = 4;
+const MOST_GROUPS: usize = 32;
 
 /// The batch of a gateway, by its own count.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -248,8 +249,10 @@ impl<Now: Fn() -> Time> Desk<Now> {
                 }
             }
         }
+        let started = Instant::now();
         let written =
             if entries.is_empty() { Ok(self.journal.next()) } else { self.journal.append(&entries) };
+        metrics::histogram!("adit_journal_append_seconds").record(started.elapsed());
         let first = match written {
             Ok(first) => {
                 self.health.tell(Part::Journal, Ok(()));
@@ -287,12 +290,15 @@ impl<Now: Fn() -> Time> Desk<Now> {
             return true;
         }
         // Live positions go on when the disk does not.
+        let started = Instant::now();
         let group = (0_u64..).zip(entries).zip(waiting).map(|((index, entry), waiting)| Committed {
             position: first.map(|first| first + index),
             entry,
             waiting,
         });
-        self.groups.send(group.collect()).is_ok()
+        let taken = self.groups.send(group.collect()).is_ok();
+        metrics::histogram!("adit_pipeline_wait_seconds").record(started.elapsed());
+        taken
     }
 }
 

@@ -8,6 +8,8 @@ use crate::journal::{Position, Seen};
 use adit_core::frames::{Position as GridPosition, Vector};
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
+use adit_nlos::network::Scratch;
+use adit_nlos::{Links, annotate};
 use adit_observation::Observation;
 use adit_observation::wire::Packet;
 use adit_tracking::{Battery, Button, Charge, Fix, Heard, Input};
@@ -30,6 +32,9 @@ pub struct Follower {
     /// Of the tag's own numbers.
     numbers: Seen,
     estimator: Option<Estimator>,
+    /// What was told of its links, where ranges are judged.
+    #[serde(default, skip_serializing_if = "Links::is_empty")]
+    links: Links,
     /// Newest time of its own sensors that the estimator has.
     wired: Option<Time>,
     /// When the last fix was valid.
@@ -58,6 +63,9 @@ pub struct TagCounts {
     pub refused: u64,
     /// How often it began anew after errors.
     pub restarts: u64,
+    /// Ranges judged for line of sight.
+    #[serde(default)]
+    pub judged: u64,
     /// Fixes told.
     pub fixes: u64,
 }
@@ -91,6 +99,7 @@ impl Follower {
             clock: TagClock::default(),
             numbers: Seen::default(),
             estimator: None,
+            links: Links::default(),
             wired: None,
             told: None,
             applied: 0,
@@ -112,10 +121,15 @@ impl Follower {
 
     /// As it is kept: without what all tags of a site have in common.
     pub fn kept(&self) -> Self {
-        let estimator = self.estimator.clone().map(Estimator::detached);
-        let mut kept = self.clone();
-        kept.estimator = estimator;
-        kept
+        Self {
+            profile: Arc::clone(&self.profile),
+            clock: self.clock.clone(),
+            numbers: self.numbers.clone(),
+            estimator: self.estimator.clone().map(Estimator::detached),
+            links: self.links.clone(),
+            last_error: self.last_error.clone(),
+            ..*self
+        }
     }
 
     /// Gives one that was read back its site again; one whose profile has another method begins anew.
@@ -127,7 +141,13 @@ impl Follower {
     }
 
     /// Takes a packet; what is to be told of it goes to `told`, in order.
-    pub fn take(&mut self, packet: Packet, at: &Arrival, profile: &Profile, told: &mut Vec<Input>) {
+    pub fn take(
+        &mut self,
+        mut packet: Packet,
+        at: &Arrival,
+        (profile, scratch): (&Profile, &mut Scratch),
+        told: &mut Vec<Input>,
+    ) {
         if let Some(position) = at.position {
             self.applied = position;
         }
@@ -153,11 +173,18 @@ impl Follower {
         if packet.distress {
             told.push(Input::Button(Button { tag: tag.to_owned(), time: heard }));
         }
+        if let Some(model) = &profile.nlos {
+            for observation in &mut packet.observations {
+                if let Observation::Range(range) = observation {
+                    self.counts.judged += u64::from(annotate(range, model, &mut self.links, scratch));
+                }
+            }
+        }
         match verdict {
             Some(Verdict::OnTime(_)) => {
-                let observations = packet.observations.iter();
+                let observations = packet.observations.into_iter();
                 let upright = profile.sidecar.mounting.rotation.is_some();
-                let turned: Vec<_> = observations.map(|o| profile.sidecar.apply(o.clone())).collect();
+                let turned: Vec<_> = observations.map(|o| profile.sidecar.apply(o)).collect();
                 if let Some(motion) = motion::of_packet(turned.iter(), upright && profile.is_on_body()) {
                     let tag = tag.to_owned();
                     told.push(Input::Activity(adit_tracking::Activity { tag, time: heard, motion }));

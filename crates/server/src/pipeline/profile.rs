@@ -1,6 +1,7 @@
 //! Which tag is followed how.
 
 use super::estimator::Settings;
+use adit_nlos::Model;
 use adit_observation::sidecar::{Location, Sidecar};
 use std::sync::Arc;
 
@@ -15,14 +16,26 @@ pub struct Profile {
     pub sidecar: Sidecar,
     /// The method and its settings.
     pub settings: Settings,
+    /// Judges the ranges before the method gets them, where there is one.
+    pub nlos: Option<Arc<Model>>,
     method: Arc<str>,
 }
 
 impl Profile {
     /// Of these tags, followed so.
-    pub fn new(name: impl Into<String>, tags: Vec<String>, sidecar: Sidecar, settings: Settings) -> Self {
+    pub fn new(name: impl Into<String>, tags: Vec<String>, sidecar: Sidecar, mut settings: Settings) -> Self {
+        if let Settings::Fused(fused) = &mut settings {
+            // Somebody who has not walked since the tag was switched on is to be found too.
+            fused.place.before_direction = true;
+        }
         let method = settings.name().into();
-        Self { name: name.into(), tags, sidecar, settings, method }
+        Self { name: name.into(), tags, sidecar, settings, nlos: None, method }
+    }
+
+    /// The same, ranges judged by a model first.
+    #[must_use]
+    pub fn judging(self, model: Arc<Model>) -> Self {
+        Self { nlos: Some(model), ..self }
     }
 
     /// Whether the tag sits on the trunk of a body, which stands or lies.

@@ -5,7 +5,7 @@ use super::follower::{Arrival, TagHealth};
 use super::outcome::{RoundOutcome, TrackedFix};
 use super::profile::Profiles;
 use super::shard::{Job, Shard, Told, shard_of};
-use super::snapshot::{ServerState, Snapshots, Writing};
+use super::snapshot::{Part, ServerState, Snapshots, Writing};
 use crate::error::ServerError;
 use crate::journal::{
     Committed, Committer, Gateways, Group, Journal, OutsidePosition, Position, Spans, What,
@@ -27,6 +27,9 @@ use tokio::sync::oneshot;
 const MOST_ENTRIES: usize = 16_384;
 /// How long the thread waits for entries before it looks for questions.
 const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Tags copied at once for the last snapshot.
+const TAGS_AT_THE_END: usize = 256;
 
 /// How long the end waits for the store.
 const STORE_PATIENCE: Duration = Duration::from_secs(10);
@@ -83,8 +86,8 @@ struct Running {
     /// Tags a round.
     quota: usize,
     gateways: Option<oneshot::Receiver<(Position, Gateways)>>,
-    /// The entry of the tracking, once it is written.
-    written: Option<Position>,
+    /// Whether everything was handed to it.
+    whole: bool,
 }
 
 /// A pipeline as the disk has it.
@@ -208,7 +211,9 @@ impl Pipeline {
                 metrics::counter!("adit_entries_total").increment(entries as u64);
                 outlet(outcome);
             }
+            let started = Instant::now();
             self.keep(committer);
+            metrics::histogram!("adit_snapshot_step_seconds").record(started.elapsed());
             while let Ok(question) = asked.try_recv() {
                 match question {
                     Asked::Tag(tag, answer) => {
@@ -244,15 +249,21 @@ impl Pipeline {
             }
             std::thread::sleep(PATIENCE);
         }
-        let kept = self.snapshots.begin().and_then(|mut writing| {
+        // One that is under way is older.
+        self.running = None;
+        let kept = self.snapshots.begin(&self.stored).and_then(|writing| {
             for shard in &mut self.shards {
                 shard.begin_snapshot();
-                for (tag, follower) in shard.next_kept(usize::MAX) {
-                    writing.tag(tag, follower)?;
+                loop {
+                    let next = shard.next_kept(TAGS_AT_THE_END);
+                    if next.is_empty() {
+                        break;
+                    }
+                    writing.add(Part::Tags(next));
                 }
             }
-            writing.server(self.state(gateways))?;
-            self.snapshots.finish(writing, self.position)
+            writing.add(Part::Server(Box::new(self.state(gateways))));
+            writing.outcome()
         });
         match kept {
             Ok(oldest) => committer.trim(oldest),
@@ -380,63 +391,46 @@ impl Pipeline {
             // A round lasts for some tens of ms under load: the whole in a quarter of the time between snapshots.
             let rounds = (4 * self.snapshot_every.as_millis() / PATIENCE.as_millis() / 16).max(1);
             let quota = self.tags() / usize::try_from(rounds).unwrap_or(1) / self.shards.len() + 1;
-            Running { writing: self.snapshots.begin()?, quota, gateways: None, written: None }
+            Running { writing: self.snapshots.begin(&self.stored)?, quota, gateways: None, whole: false }
         };
-        let Some(position) = running.written else {
-            running = self.keep_more(running, committer)?;
-            self.running = Some(running);
-            return Ok(());
-        };
-        if self.stored.load(Ordering::Acquire) < position {
-            self.running = Some(running);
+        if running.writing.ended() {
+            committer.trim(running.writing.outcome()?);
+            self.last_snapshot = Instant::now();
             return Ok(());
         }
-        self.last_snapshot = Instant::now();
-        let (snapshots, committer) = (self.snapshots.clone(), committer.clone());
-        let finish = move || match snapshots.finish(running.writing, position) {
-            Ok(oldest) => committer.trim(oldest),
-            Err(error) => tracing::error!("{error}"),
-        };
-        // Waiting for the disk would hold up positions.
-        std::thread::Builder::new()
-            .name("snapshot".to_owned())
-            .spawn(finish)
-            .map(|_| ())
-            .map_err(|source| ServerError::Thread { name: "snapshot", source })
+        if !running.whole {
+            self.keep_more(&mut running, committer);
+        }
+        self.running = Some(running);
+        Ok(())
     }
 
     /// Some more tags; when there are none, what is of one moment.
-    fn keep_more(&mut self, mut running: Running, committer: &Committer) -> Result<Running, ServerError> {
+    fn keep_more(&mut self, running: &mut Running, committer: &Committer) {
+        let Some(place) = running.writing.place() else { return };
         let quota = running.quota;
         let next: Vec<_> = self.shards.par_iter_mut().flat_map_iter(|shard| shard.next_kept(quota)).collect();
-        let more = !next.is_empty();
-        for (tag, follower) in next {
-            running.writing.tag(tag, follower)?;
+        if !next.is_empty() {
+            place.send(Part::Tags(next));
+            return;
         }
-        if more {
-            return Ok(running);
-        }
+        drop(place);
         // What gateways have sent is asked of the journal's thread, which must not be waited for.
         let Some(asked) = &mut running.gateways else {
             running.gateways = committer.ask_gateways();
-            return Ok(running);
+            return;
         };
         let gateways = match asked.try_recv() {
             Ok(gateways) => gateways,
-            Err(oneshot::error::TryRecvError::Empty) => return Ok(running),
+            Err(oneshot::error::TryRecvError::Empty) => return,
             Err(oneshot::error::TryRecvError::Closed) => {
                 running.gateways = None;
-                return Ok(running);
+                return;
             }
         };
-        for shard in &mut self.shards {
-            for (tag, follower) in shard.not_kept() {
-                running.writing.tag(tag, follower)?;
-            }
-        }
-        running.writing.server(self.state(gateways))?;
-        running.written = Some(self.position);
-        Ok(running)
+        running.writing.add(Part::Tags(self.shards.iter_mut().flat_map(Shard::not_kept).collect()));
+        running.writing.add(Part::Server(Box::new(self.state(gateways))));
+        running.whole = true;
     }
 }
 

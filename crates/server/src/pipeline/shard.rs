@@ -3,6 +3,7 @@
 use super::follower::{Arrival, Follower, TagHealth};
 use super::profile::Profiles;
 use crate::seldom::Seldom;
+use adit_nlos::network::Scratch;
 use adit_observation::wire::PacketReader;
 use adit_tracking::Input;
 use prost::bytes::Bytes;
@@ -15,6 +16,7 @@ pub struct Shard {
     followers: BTreeMap<String, Follower>,
     profiles: Arc<Profiles>,
     reader: PacketReader,
+    scratch: Scratch,
     /// The last tag that the running snapshot has.
     kept: Option<String>,
     /// Tags that came since it began.
@@ -53,6 +55,7 @@ impl Shard {
             followers: BTreeMap::new(),
             profiles,
             reader: PacketReader::default(),
+            scratch: Scratch::default(),
             kept: None,
             came_since: Vec::new(),
         }
@@ -95,7 +98,7 @@ impl Shard {
         if arrival.position.is_some_and(|position| position <= follower.applied()) {
             return;
         }
-        follower.take(packet, arrival, profile, inputs);
+        follower.take(packet, arrival, (profile, &mut self.scratch), inputs);
     }
 
     /// How a tag is followed.

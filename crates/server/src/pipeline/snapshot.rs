@@ -1,9 +1,12 @@
 //! The state of everything, kept so that a start need not read the journal from its beginning.
 //!
 //! **A snapshot takes its time.** Ten thousand estimators are some hundred megabytes; writing them at once would hold up positions
-//! for a second. So tags are written a few at a time, round after round, each with the entry that it has come to; at the end, in one
+//! for seconds. So copies of tags are taken a few at a time, round after round, each with the entry that it has come to; at the end, in one
 //! round, what has to be of one moment: the tracking, at entry E, and the tags that came meanwhile. Every tag of the file has come to an entry
-//! at or before E, and at or after the beginning of the snapshot.
+//! at or before E, and at or after the beginning of the snapshot. A thread of its own ([`Writing`]) turns the copies into bytes and waits for the
+//! disk.
+//!
+//! **It counts only when the store is as far as E**: what came of entries before it cannot be found again.
 //!
 //! **A start** reads the journal from the oldest of these entries. What a tag has already it passes over; what others tell of entries up
 //! to E the tracking has already; from there on all is as it was. Files before that are deleted only when the new one is on the disk.
@@ -19,12 +22,23 @@ use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tokio::sync::mpsc;
 
 /// First bytes of a file.
 pub const HEAD: &[u8; 8] = b"aditsnp1";
 const ENDING: &str = "snap";
 /// No record is larger, bytes.
 const LARGEST: usize = 1 << 30;
+/// Parts that wait to be written; while there are as many no further copies are taken.
+const MOST_PARTS: usize = 2;
+/// Bytes brought to the disk at once: more would hold up the journal, which waits for the same disk.
+const SYNCED: usize = 8 << 20;
+/// How often a snapshot that is written looks whether the store is as far.
+const PATIENCE: Duration = Duration::from_millis(20);
 
 /// The snapshots of one folder.
 #[derive(Debug, Clone)]
@@ -60,13 +74,18 @@ pub struct Restored {
     pub tags: Vec<(String, Follower)>,
 }
 
-/// A snapshot being written.
+/// A snapshot being written by a thread; dropped before it is whole, it is given up.
 pub struct Writing {
-    file: BufWriter<File>,
-    path: PathBuf,
-    /// The oldest entry that a tag of it has come to.
-    oldest: Option<Position>,
-    body: Vec<u8>,
+    parts: Option<mpsc::Sender<Part>>,
+    thread: Option<JoinHandle<Result<Position, ServerError>>>,
+}
+
+/// What a snapshot is made of.
+pub enum Part {
+    /// Some tags.
+    Tags(Vec<(String, Follower)>),
+    /// What is of one moment: the last.
+    Server(Box<ServerState>),
 }
 
 impl Snapshots {
@@ -89,18 +108,32 @@ impl Snapshots {
         Ok(None)
     }
 
-    /// Begins one.
-    pub fn begin(&self) -> Result<Writing, ServerError> {
+    /// Begins one; it becomes the newest when it is whole and `stored` has come to its entry.
+    pub fn begin(&self, stored: &Arc<AtomicU64>) -> Result<Writing, ServerError> {
         let path = self.folder.join("running.part");
         let file = File::create(&path).map_err(|source| ServerError::io(&path, source))?;
-        let mut file = BufWriter::with_capacity(1 << 18, file);
-        file.write_all(HEAD).map_err(|source| ServerError::io(&path, source))?;
-        Ok(Writing { file, path, oldest: None, body: Vec::new() })
+        let file = BufWriter::with_capacity(1 << 18, file);
+        let mut written = Written { file, path, oldest: None, body: Vec::new(), fresh: 0 };
+        let (parts, mut inbox) = mpsc::channel(MOST_PARTS);
+        let (snapshots, stored) = (self.clone(), Arc::clone(stored));
+        let write = move || {
+            let position = written.parts(&mut inbox)?;
+            while stored.load(Ordering::Acquire) < position {
+                if inbox.is_closed() {
+                    return Err(ServerError::SnapshotGivenUp);
+                }
+                std::thread::sleep(PATIENCE);
+            }
+            snapshots.finish(written, position)
+        };
+        let thread = std::thread::Builder::new().name("snapshot".to_owned()).spawn(write);
+        let thread = thread.map_err(|source| ServerError::Thread { name: "snapshot", source })?;
+        Ok(Writing { parts: Some(parts), thread: Some(thread) })
     }
 
-    /// Brings a whole one to the disk and deletes those before; may take as long as the disk does. Returns the oldest entry that is needed from now on.
-    pub fn finish(&self, writing: Writing, position: Position) -> Result<Position, ServerError> {
-        let Writing { file, path, oldest, .. } = writing;
+    /// Brings a whole one to the disk and deletes those before. Returns the oldest entry that is needed from now on.
+    fn finish(&self, written: Written, position: Position) -> Result<Position, ServerError> {
+        let Written { file, path, oldest, .. } = written;
         let io = |source| ServerError::io(&path, source);
         let file = file.into_inner().map_err(|error| io(error.into_error()))?;
         file.sync_all().map_err(io)?;
@@ -129,16 +162,73 @@ impl Snapshots {
 }
 
 impl Writing {
-    /// Adds a tag.
-    pub fn tag(&mut self, tag: String, follower: Follower) -> Result<(), ServerError> {
-        let applied = follower.applied();
-        self.oldest = Some(self.oldest.map_or(applied, |oldest| oldest.min(applied)));
-        self.record(&Record::Tag(tag, Box::new(follower)))
+    /// A place for the next part, unless those before still wait.
+    pub fn place(&self) -> Option<mpsc::Permit<'_, Part>> {
+        self.parts.as_ref()?.try_reserve().ok()
     }
 
-    /// Adds what is of one moment: the last.
-    pub fn server(&mut self, server: ServerState) -> Result<(), ServerError> {
-        self.record(&Record::Server(Box::new(server)))
+    /// Hands over a part; waits while those before are written.
+    pub fn add(&self, part: Part) {
+        if let Some(parts) = &self.parts {
+            // A thread that ended says why when it is asked for the outcome.
+            let _ = parts.blocking_send(part);
+        }
+    }
+
+    /// Whether the thread has ended.
+    pub fn ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// The oldest entry that is needed from now on; waits for the thread, which goes on until it is whole and the store is as far.
+    pub fn outcome(mut self) -> Result<Position, ServerError> {
+        let joined = self.thread.take().map(JoinHandle::join);
+        joined.and_then(Result::ok).unwrap_or(Err(ServerError::Stopped))
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        self.parts = None;
+        if let Some(thread) = self.thread.take() {
+            // Nobody wants to know.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread has written.
+struct Written {
+    file: BufWriter<File>,
+    path: PathBuf,
+    /// The oldest entry that a tag of it has come to.
+    oldest: Option<Position>,
+    body: Vec<u8>,
+    /// Bytes written since the last sync.
+    fresh: usize,
+}
+
+impl Written {
+    /// Writes what comes until it is whole; returns the entry of the tracking.
+    fn parts(&mut self, inbox: &mut mpsc::Receiver<Part>) -> Result<Position, ServerError> {
+        self.file.write_all(HEAD).map_err(|source| ServerError::io(&self.path, source))?;
+        while let Some(part) = inbox.blocking_recv() {
+            match part {
+                Part::Tags(tags) => {
+                    for (tag, follower) in tags {
+                        let applied = follower.applied();
+                        self.oldest = Some(self.oldest.map_or(applied, |oldest| oldest.min(applied)));
+                        self.record(&Record::Tag(tag, Box::new(follower)))?;
+                    }
+                }
+                Part::Server(server) => {
+                    let position = server.position;
+                    self.record(&Record::Server(server))?;
+                    return Ok(position);
+                }
+            }
+        }
+        Err(ServerError::SnapshotGivenUp)
     }
 
     fn record(&mut self, record: &Record) -> Result<(), ServerError> {
@@ -154,6 +244,15 @@ impl Writing {
             .write_all(&length.to_le_bytes())
             .and_then(|()| file.write_all(&crc.to_le_bytes()))
             .and_then(|()| file.write_all(&self.body));
+        self.fresh += self.body.len();
+        let written = written.and_then(|()| {
+            if self.fresh < SYNCED {
+                return Ok(());
+            }
+            self.fresh = 0;
+            file.flush()?;
+            file.get_ref().sync_data()
+        });
         written.map_err(|source| ServerError::io(&self.path, source))
     }
 }

@@ -10,7 +10,7 @@ use adit_server::ingest::PositionReport;
 use adit_server::now;
 use adit_server::pipeline::{Profile, Profiles};
 use adit_server::store::Retention;
-use adit_server::{Parts, Settings};
+use adit_server::{Clock, Parts, Settings};
 use adit_tracking::Rules;
 use futures_util::StreamExt as _;
 use std::collections::BTreeMap;
@@ -61,7 +61,9 @@ impl House {
             snapshot_every: Duration::from_mins(10),
             retention: Retention::default(),
             mqtt: None,
+            clock: Clock::default(),
         };
+        let clock = server.clock.clone();
         let feed = Feed::new(feed);
         let told = Arc::clone(&feed);
         let parts = adit_server::start(server, move |outcome, _| {
@@ -70,14 +72,14 @@ impl House {
         let parts = parts.await?;
         feed.start(Arc::clone(&parts.tracking));
         let store = parts.store.clone();
-        let clock: WallClock = Arc::new(now);
+        let wall: WallClock = Arc::new(now);
         let often = NonZeroU32::new(10_000).ok_or("no")?;
         let auth_settings = AuthSettings {
             logins_per_address_per_minute: often,
             logins_per_name_per_minute: often,
             ..AuthSettings::default()
         };
-        let auth = Auth::open(store.clone(), auth_settings, Arc::clone(&clock)).await?;
+        let auth = Auth::open(store.clone(), auth_settings, wall).await?;
         auth.add_user("boss", Role::Admin, PASSWORD.into()).await?;
         let mut tokens = BTreeMap::new();
         for grant in [Grant::Viewer, Grant::Dispatcher, Grant::SafetyOfficer, Grant::Admin, Grant::Ingest] {

@@ -3,7 +3,9 @@
 mod account;
 mod feed;
 mod house;
+mod keeping;
 mod omlox;
+mod pages;
 mod people;
 mod tls;
 mod walk;

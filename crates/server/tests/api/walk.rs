@@ -1,6 +1,7 @@
 //! Every route of the file of the API, without a token and with too small a role: what is added later is in it by itself.
 
 use crate::house::{House, Tested};
+use adit_server::api::open_routes;
 use adit_server::auth::{Grant, Permission, Role};
 use serde_json::Value;
 
@@ -73,6 +74,17 @@ async fn every_route_without_a_token_answers_401_and_with_too_small_a_role_403()
     }
     open.sort();
     assert_eq!(open, ["GET /health", "GET /health/live", "POST /api/v1/session"], "only these may be open");
+    // What is open and not in the file of the API is a page of the console.
+    let pages = open_routes().into_iter().filter(|route| !open.contains(route));
+    for page in pages {
+        let file = page.strip_prefix("GET /").ok_or_else(|| page.clone())?;
+        assert!(!file.starts_with("api/") && !file.starts_with("v2/"), "{page} is open");
+        let answer = house.ask("GET", &format!("/{file}"), "", None).await?;
+        assert_eq!(answer.status, 200, "{page}");
+        let policy = answer.headers.get("content-security-policy").ok_or("no policy")?.to_str()?;
+        assert!(policy.starts_with("default-src 'self'; ") && policy.contains("frame-ancestors 'none'"));
+        assert_eq!(answer.headers.get("x-content-type-options").ok_or("no sniffing")?, "nosniff");
+    }
     Ok(())
 }
 
@@ -94,7 +106,14 @@ async fn a_role_that_suffices_is_let_in() -> Tested {
 #[tokio::test]
 async fn what_is_no_route_tells_strangers_nothing_and_others_in_json() -> Tested {
     let house = House::new().await?;
-    for path in ["/", "/api/v1/nothing", "/v2/nothing", "/api/v1/../../etc/passwd", "/api/v1/people/%00"] {
+    for path in [
+        "/nothing",
+        "/assets/nothing.js",
+        "/api/v1/nothing",
+        "/v2/nothing",
+        "/api/v1/../../etc/passwd",
+        "/api/v1/people/%00",
+    ] {
         assert_eq!(house.ask("GET", path, "", None).await?.status, 401, "{path}");
         let answer = house.ask("GET", path, house.token("admin"), None).await?;
         assert_eq!(

@@ -58,6 +58,19 @@ pub enum Errand {
         /// For so long, s.
         seconds: f64,
     },
+    /// Stand, or work, until a time.
+    Until {
+        /// That time of the simulation, s; nothing where it is over.
+        until_s: f64,
+        /// Work, not stand.
+        #[serde(default)]
+        work: bool,
+    },
+    /// Fall to the floor and lie there.
+    Fall {
+        /// For so long, s.
+        seconds: f64,
+    },
     /// Turn on the spot.
     Turn {
         /// Change of heading, rad, positive to the right.
@@ -126,7 +139,11 @@ impl<'a> Planner<'a> {
 
     /// Comes to rest: the itinerary.
     pub fn finish(mut self) -> Itinerary {
-        self.stay(2.0, Manner::Still);
+        let fallen = matches!(
+            self.itinerary.episodes.last(),
+            Some(Episode { doing: Doing::Stay { manner: Manner::Lie }, .. })
+        );
+        self.stay(2.0, if fallen { Manner::Lie } else { Manner::Still });
         self.itinerary
     }
 
@@ -140,6 +157,14 @@ impl<'a> Planner<'a> {
             Errand::Work { seconds: time } => {
                 seconds(*time)?;
                 self.stay(*time, Manner::Work);
+            }
+            Errand::Until { until_s, work } => {
+                check_within("until_s", *until_s, 0.0, 1e6, "0 to 1e6 s")?;
+                self.stay(*until_s - self.now_s, if *work { Manner::Work } else { Manner::Stand });
+            }
+            Errand::Fall { seconds: time } => {
+                seconds(*time)?;
+                self.stay(*time, Manner::Lie);
             }
             Errand::Turn { turn_rad } => {
                 check_within("turn_rad", *turn_rad, -100.0, 100.0, "-100 to 100 rad")?;

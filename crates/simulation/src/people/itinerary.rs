@@ -35,6 +35,8 @@ pub enum Activity {
     Board,
     /// Rides.
     Ride,
+    /// Has fallen and lies.
+    Lie,
 }
 
 impl Activity {
@@ -48,6 +50,7 @@ impl Activity {
             Self::Crawl => "crawl",
             Self::Board => "board",
             Self::Ride => "ride",
+            Self::Lie => "lie",
         }
     }
 }
@@ -146,6 +149,7 @@ impl Episode {
         match &self.doing {
             Doing::Stay { manner: Manner::Work } => Activity::Work,
             Doing::Stay { manner: Manner::Crawl } => Activity::Crawl,
+            Doing::Stay { manner: Manner::Lie } => Activity::Lie,
             Doing::Stay { .. } => Activity::Stand,
             Doing::Turn { .. } => Activity::Walk,
             Doing::Go(going) => match going.manner {

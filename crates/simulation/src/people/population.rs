@@ -200,6 +200,7 @@ impl Person {
         let manner = match self.at(time_s).activity {
             super::Activity::Crawl => Manner::Crawl,
             super::Activity::Ride => Manner::Sit,
+            super::Activity::Lie => Manner::Lie,
             _ => Manner::Stand,
         };
         Posture::of(manner, self.body.height_m, self.body.step(manner).0).height

@@ -46,6 +46,8 @@ pub(super) enum Manner {
     Run,
     Crawl,
     Sit,
+    /// Face down on the floor, breathing.
+    Lie,
 }
 
 /// Amplitudes of a manner: numbers, or functions of time while one manner goes over into another.
@@ -76,6 +78,8 @@ impl Posture<f64> {
             Manner::Still => upright,
             Manner::Stand => Self { standing: 1.0, ..upright },
             Manner::Work => Self { lean: 0.15, working: 1.0, ..upright },
+            // The chest rises by a millimetre or two: a fiftieth of the sway of standing.
+            Manner::Lie => Self { height: 0.15, lean: 1.5, standing: 0.02, ..Self::default() },
             Manner::Sit => Self { height: 0.12, lean: -0.1, ..Self::default() },
             Manner::Walk => {
                 let pendulum_m = step_m / 1.25;

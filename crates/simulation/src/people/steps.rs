@@ -24,6 +24,8 @@ const HALF_STEP_WIDTH_M: f64 = 0.055;
 const FOOTWELL_M: [f64; 3] = [0.40, 0.12, -0.45];
 /// From one posture to another where no step takes the time, s.
 const SHIFT_S: f64 = 1.5;
+/// A body that faints comes down in this time, s: a free fall from hip height takes 0.45, knees that give way some more.
+const DROP_S: f64 = 0.7;
 /// A shin lies on the floor while crawling: the foot points down, rad.
 const CRAWL_PITCH_RAD: f64 = 1.2;
 /// Vigour of the steps of turning on the spot.
@@ -256,7 +258,11 @@ impl Layer<'_> {
         let lowered = (manner == Manner::Crawl) != (self.manner == Manner::Crawl);
         if manner != self.manner {
             self.manner = manner;
-            let shift_s = if lowered { end_s - start_s } else { SHIFT_S };
+            let shift_s = match manner {
+                _ if lowered => end_s - start_s,
+                Manner::Lie => DROP_S,
+                _ => SHIFT_S,
+            };
             if lowered {
                 // Feet: onto the toes for the knees to come down, or flat again.
                 let pitch = if manner == Manner::Crawl { CRAWL_PITCH_RAD } else { 0.0 };

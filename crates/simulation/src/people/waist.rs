@@ -118,7 +118,7 @@ impl Slow {
 #[derive(Debug, Clone)]
 pub struct WaistMotion {
     steps: Arc<Steps>,
-    postures: [Posture<f64>; 7],
+    postures: [Posture<f64>; 8],
     /// The last node at or before the beginning of each bucket.
     index: Vec<u32>,
     belt: Belt,
@@ -136,6 +136,7 @@ impl WaistMotion {
             Manner::Run,
             Manner::Crawl,
             Manner::Sit,
+            Manner::Lie,
         ];
         let postures = all.map(|manner| Posture::of(manner, body.height_m, body.step(manner).0));
         let mut index = Vec::new();

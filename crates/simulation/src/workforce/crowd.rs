@@ -12,6 +12,8 @@ const RENEWED_S: f64 = 1.0;
 const NEAR_M: f64 = 90.0;
 /// Sitting or on hands and knees, a person is this share of their height.
 const LOW: f64 = 0.55;
+/// Lying, this share.
+const LYING: f64 = 0.17;
 const TRUNK_RADIUS_M: f64 = 0.2;
 
 /// Everybody and every vehicle.
@@ -67,8 +69,12 @@ impl Neighbours {
         for index in &self.people {
             let person = &crowd.people[*index as usize];
             let now = person.at(time_s);
-            let low = matches!(now.activity, Activity::Crawl | Activity::Ride);
-            let height_m = person.body().height_m * if low { LOW } else { 1.0 };
+            let share = match now.activity {
+                Activity::Lie => LYING,
+                Activity::Crawl | Activity::Ride => LOW,
+                _ => 1.0,
+            };
+            let height_m = person.body().height_m * share;
             let shape = Shape::Round { radius_m: TRUNK_RADIUS_M };
             self.obstacles.push(Obstacle { foot_m: now.floor_m, height_m, shape });
         }

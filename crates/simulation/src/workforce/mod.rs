@@ -16,6 +16,7 @@
 
 mod crowd;
 mod outfit;
+mod preset;
 mod stream;
 
 pub use outfit::{Mount, Outfit, RadioRates, Worn};

@@ -8,12 +8,8 @@ use adit_core::time::Time;
 use adit_mine::Mine;
 use adit_observation::wire::{Packet, Resolution};
 use adit_observation::{DeviceId, Observation};
-use adit_simulation::people::{Belt, Body, Errand, PersonSpec, Place, PopulationSpec, Roam};
-use adit_simulation::pressure::AirSpec;
-use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
-use adit_simulation::radio::{RadioSpec, RangeDetail};
-use adit_simulation::workforce::{Mount, Outfit, RadioRates, Workforce, WorkforceSpec};
-use adit_simulation::{IdealImu, ImuErrorModel};
+use adit_simulation::people::{Belt, PersonSpec, Place, Roam};
+use adit_simulation::workforce::{Mount, Outfit, Workforce, WorkforceSpec};
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -106,49 +102,19 @@ pub fn walks(
     seed: u64,
 ) -> Result<Vec<Vec<Template>>> {
     let duration_s = f64::from(seconds);
-    let levels: Vec<_> = mine.plan().levels.iter().map(|level| level.id.clone()).collect();
     let roadway = mine
         .plan()
         .roadways
         .iter()
         .find(|roadway| roadway.walkable)
         .context("the mine has no roadway to walk on")?;
-    let roam = Roam {
-        until_s: duration_s,
-        levels: roadway.level.clone().map_or(levels, |level| vec![level]),
-        reach_m: 250.0,
-        speed_share: [0.9, 1.1],
-        stop_share: 0.3,
-        stop_s: [5.0, 30.0],
-        work_share: 0.5,
-    };
+    let mut roam = Roam::on_level("", duration_s, 250.0, 0.3, [5.0, 30.0]);
+    // A roadway that leads from level to level is of none: places are drawn on all.
+    roam.levels = roadway.level.iter().cloned().collect();
     let start = Place::Roadway { id: roadway.id.clone(), along_m: 1.0, left_m: 0.0 };
-    let person = PersonSpec {
-        body: Body::default(),
-        drawn: true,
-        start,
-        errands: vec![Errand::Stand { seconds: 5.0 }, Errand::Roam(roam)],
-    };
-    let spec = WorkforceSpec {
-        duration_s,
-        population: PopulationSpec { persons: vec![person], ..PopulationSpec::default() },
-        outfit: Outfit {
-            mount: Mount::Belt(Belt::front()),
-            ideal: IdealImu::default(),
-            imu: ImuErrorModel::mpu6050(),
-            imu_hz: 100.0,
-            magnetic: None,
-            barometer: None,
-            silent_s: Vec::new(),
-            radio: RadioRates { detail: RangeDetail::Range, ranging_hz, ..RadioRates::default() },
-        },
-        air: AirSpec::default(),
-        radio: RadioSpec::default(),
-        outages: Vec::new(),
-        conveyors_s: Vec::new(),
-        clock: ClockSpec::perfect(),
-        link: LinkSpec::perfect(),
-    };
+    let person = PersonSpec::roaming(start, 5.0, roam);
+    let outfit = Outfit::plain(Mount::Belt(Belt::front()), ranging_hz);
+    let spec = WorkforceSpec::undisturbed(duration_s, vec![person], outfit);
     (0..walkers)
         .into_par_iter()
         .map(|walker| {

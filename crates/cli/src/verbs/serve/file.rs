@@ -2,19 +2,20 @@
 
 use crate::args::ServeArgs;
 use crate::config;
+use crate::judged_ranges;
 use crate::method::{self, MethodName};
 use crate::progress;
 use crate::radio_site;
 use adit_estimation::methods::MethodSettings;
 use adit_estimation::radio::RadioSite;
 use adit_observation::sidecar::{Location, Sidecar};
-use adit_server::api::{ApiSettings, TlsFiles};
+use adit_server::api::{ApiSettings, IpNet, TlsFiles};
 use adit_server::auth::AuthSettings;
 use adit_server::feed::FeedSettings;
 use adit_server::ingest::mqtt::MqttSettings;
 use adit_server::pipeline::{Profile, Profiles, Settings as EstimatorSettings};
 use adit_server::store::Retention;
-use adit_server::{Serving, Settings};
+use adit_server::{Clock, FASTEST, Pace, Serving, Settings};
 use adit_tracking::Rules;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,9 @@ struct ServeFile {
     feed: FeedSettings,
     rules: Rules,
     profiles: Vec<ProfilePart>,
+    /// Of a simulated shift.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock: Option<Pace>,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -65,6 +69,7 @@ struct ApiPart {
     key: Option<PathBuf>,
     open_metrics: bool,
     secure_cookies: bool,
+    trusted_proxies: Vec<IpNet>,
 }
 
 impl Default for ApiPart {
@@ -75,6 +80,7 @@ impl Default for ApiPart {
             key: None,
             open_metrics: false,
             secure_cookies: false,
+            trusted_proxies: Vec::new(),
         }
     }
 }
@@ -131,6 +137,8 @@ struct ProfilePart {
     sidecar: Option<PathBuf>,
     #[serde(default)]
     location: Option<Location>,
+    #[serde(default)]
+    nlos: Option<String>,
 }
 
 fn fused() -> String {
@@ -170,7 +178,11 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
     let serving = Serving {
         listen: file.api.listen,
         tls: tls(&file.api, &folder)?,
-        api: ApiSettings { open_metrics: file.api.open_metrics, secure_cookies: file.api.secure_cookies },
+        api: ApiSettings {
+            open_metrics: file.api.open_metrics,
+            secure_cookies: file.api.secure_cookies,
+            trusted_proxies: file.api.trusted_proxies,
+        },
         auth: file.auth,
         feed: file.feed,
         shown,
@@ -185,8 +197,17 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
         shards: file.pipeline.threads.unwrap_or_else(cores).clamp(1, 256),
         snapshot_every: Duration::from_secs_f64(snapshot_s),
         retention: file.retention,
+        clock: clock(file.clock)?,
     };
     Ok((settings, serving))
+}
+
+fn clock(pace: Option<Pace>) -> Result<Clock> {
+    match pace {
+        None => Ok(Clock::default()),
+        Some(pace) if pace.speed > 0.0 && pace.speed <= FASTEST => Ok(Clock::simulated(pace)),
+        Some(Pace { speed, .. }) => bail!("[clock] speed: found {speed}, expected more than 0, to {FASTEST}"),
+    }
 }
 
 fn tls(api: &ApiPart, folder: &Path) -> Result<Option<TlsFiles>> {
@@ -236,6 +257,7 @@ fn profiles(parts: &[ProfilePart], folder: &Path, site: &Arc<RadioSite>) -> Resu
         config: None,
         sidecar: None,
         location: Some(Location::Waist),
+        nlos: None,
     };
     let parts = if parts.is_empty() { std::slice::from_ref(&everybody) } else { parts };
     let profiles = parts
@@ -258,7 +280,11 @@ fn profile(part: &ProfilePart, folder: &Path, site: &Arc<RadioSite>) -> Result<P
     }
     let config = part.config.as_ref().map(|path| folder.join(path));
     let settings = estimator(name, &sidecar, config.as_deref(), site)?;
-    Ok(Profile::new(&part.name, part.tags.clone(), sidecar, settings))
+    let profile = Profile::new(&part.name, part.tags.clone(), sidecar, settings);
+    match &part.nlos {
+        None => Ok(profile),
+        Some(model) => Ok(profile.judging(judged_ranges::model(model, folder)?)),
+    }
 }
 
 /// The settings of a method that can follow a tag: one that needs no start pose and finds a position.

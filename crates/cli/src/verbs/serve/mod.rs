@@ -32,6 +32,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         let ended = tokio::select! {
             ended = server.served() => ended,
             () = interrupted() => Ok(()),
+            () = stdin_ended(args.while_stdin) => Ok(()),
         };
         server.stop().await;
         Ok(ended?)
@@ -42,5 +43,20 @@ pub fn run(args: &ServeArgs) -> Result<()> {
 async fn interrupted() {
     while interrupt::check().is_ok() {
         tokio::time::sleep(PULSE).await;
+    }
+}
+
+/// Ready once stdin has ended; never, where that is not asked for.
+async fn stdin_ended(asked: bool) {
+    let (ended, end) = tokio::sync::oneshot::channel::<()>();
+    if asked {
+        // A thread of its own: a read from stdin cannot be given up, and must not hold the runtime.
+        std::thread::spawn(move || {
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            drop(ended);
+        });
+        let _ = end.await;
+    } else {
+        std::future::pending::<()>().await;
     }
 }

@@ -12,6 +12,7 @@ use super::carrier::Carrier;
 use super::ears::Ears;
 use super::method::FusedReport;
 use super::params::FusedParams;
+use super::placing::Unturned;
 use super::signals::Signals;
 use crate::methods::MethodError;
 use crate::methods::pdr::radio::RadioFixes;
@@ -63,6 +64,8 @@ pub struct Follower {
     pub(super) estimate: Option<Estimate>,
     pub(super) search: Option<Search>,
     pub(super) searched: Option<(Time, Vector3<f64>)>,
+    #[serde(default)]
+    pub(super) unturned: Option<Unturned>,
     pub(super) trail: Trail,
     pub(super) waiting: Waiting,
     pub(super) ranges: Option<RangeListener>,
@@ -124,6 +127,7 @@ impl Follower {
             estimate: None,
             search: None,
             searched: None,
+            unturned: None,
             trail: Trail::default(),
             waiting: Waiting::default(),
             ranges: ears.ranges.clone(),
@@ -358,11 +362,9 @@ impl Follower {
             return Ok(None);
         }
         if !self.is_placed() {
-            if self.has_map() {
-                return Ok(None);
-            }
-            self.told = Some(now.time);
-            return Ok(Some(now.clone()));
+            let told = if self.has_map() { self.tell_unturned() } else { Some(now.clone()) };
+            self.told = told.as_ref().map(|told| told.time).or(self.told);
+            return Ok(told);
         }
         if self.estimate.is_none() {
             self.estimate = self.bank.estimate();

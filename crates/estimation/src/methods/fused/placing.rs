@@ -8,10 +8,11 @@ use crate::place::state::{
     UP, Vector,
 };
 use adit_core::attitude;
-use adit_core::nalgebra::{Matrix2, Vector2, Vector3};
-use adit_core::solution::Solution;
+use adit_core::nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use adit_core::solution::{Quality, Solution};
 use adit_core::time::Time;
 use adit_observation::{FixSource, PositionFix};
+use serde::{Deserialize, Serialize};
 
 /// The height is not known: standard deviation, m.
 const ANY_HEIGHT_M: f64 = 1e3;
@@ -19,8 +20,46 @@ const ANY_HEIGHT_M: f64 = 1e3;
 const APART_M: f64 = 0.5;
 /// And after so long, s.
 const APART_S: f64 = 1.0;
+/// A first position counts for so long, s.
+const UNTURNED_S: f64 = 3.0;
+/// Speed of who walks in an unknown direction, m/s.
+const WALKING_M_S: f64 = 1.5;
+
+/// The newest first position, while no direction is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Unturned {
+    time: Time,
+    place_m: Vector3<f64>,
+    level_m2: Matrix2<f64>,
+    up_m2: f64,
+    /// The carrier's place in its own frame then, m.
+    way_m: Vector3<f64>,
+}
 
 impl Follower {
+    /// Where the walker is while nobody knows in which direction he goes: at the newest position, or as far from it as he has walked since.
+    pub(super) fn tell_unturned(&self) -> Option<Solution> {
+        let (now, unturned) = (self.reckoned.as_ref()?, self.unturned.as_ref()?);
+        if (now.time - unturned.time).seconds() > UNTURNED_S {
+            return None;
+        }
+        let walked_m = now.position_m - unturned.way_m;
+        let Unturned { place_m, level_m2, up_m2, .. } = *unturned;
+        let mut covariance = now.covariance;
+        covariance.fixed_view_mut::<3, 9>(0, 0).fill(0.0);
+        covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
+        let level_m2 =
+            level_m2 * self.params.stated_by_ranges + Matrix2::identity() * walked_m.xy().norm_squared();
+        covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&level_m2);
+        covariance[(2, 2)] = up_m2 + walked_m.z * walked_m.z;
+        covariance
+            .fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&(Matrix3::identity() * (WALKING_M_S * WALKING_M_S)));
+        covariance[(8, 8)] = UNKNOWN_RAD * UNKNOWN_RAD;
+        let (position_m, velocity_m_s) = (place_m, Vector3::zeros());
+        Some(Solution { position_m, velocity_m_s, covariance, quality: Quality::Fixed, ..now.clone() })
+    }
+
     /// The first solution of the carrier: by a start it stands on the map.
     pub(super) fn begin(&mut self, carrier: &Carrier, first: &Solution) {
         let Some(start) = &self.start else { return };
@@ -77,6 +116,10 @@ impl Follower {
     ) {
         let Some(now) = &self.reckoned else { return };
         let then = now.position_m - back.way_m;
+        if let Some((up_m, up_m2)) = height.filter(|_| self.params.before_direction) {
+            let place_m = level_m.push(up_m);
+            self.unturned = Some(Unturned { time, place_m, level_m2: *covariance_m2, up_m2, way_m: then });
+        }
         let direction_rad2 = if self.knows_direction(carrier) {
             now.covariance[(8, 8)] + self.noise.turn_sigma_rad * self.noise.turn_sigma_rad
         } else {
@@ -110,6 +153,7 @@ impl Follower {
         }
         self.bank.start(state);
         self.search = None;
+        self.unturned = None;
         if self.takes_signals_alone()
             && let Some(radio) = &mut self.radio
         {

@@ -119,7 +119,7 @@ pub(super) fn location(context: &Context, crs: &Crs, of: &Of<'_>) -> Option<Valu
         "position": { "type": "Point", "coordinates": crs.write(&known.position_m)? },
         "source": mine_id(&context.mine), "provider_type": "virtual", "provider_id": known.tag, "crs": crs.name(),
         "accuracy": known.radius_95_m,
-        "timestamp_generated": Timestamp(known.time), "timestamp_sent": Timestamp((context.clock)()),
+        "timestamp_generated": Timestamp(known.time), "timestamp_sent": Timestamp(context.clock.now()),
         "associated": trackable.is_some(), "trackables": trackable.into_iter().collect::<Vec<_>>(),
         "elevation_ref": "wgs84",
         "properties": {

@@ -51,13 +51,14 @@ enum Live<'a> {
         event: u64,
         tick: u64,
         time: Timestamp,
+        clock_speed: f64,
         live: Vec<LiveJson>,
         alarms: Vec<AlarmJson>,
         headcount: HeadcountJson,
         evacuation: Option<EvacuationJson>,
     },
-    /// What was missed follows, no snapshot.
-    Resumed { run: &'a str, event: u64, tick: u64 },
+    /// What was missed follows, no snapshot; also when the clock begins to go at another speed.
+    Resumed { run: &'a str, event: u64, tick: u64, time: Timestamp, clock_speed: f64 },
     /// Tags that have moved since the tick before.
     Positions { tick: u64, positions: Vec<MovedJson> },
     /// Something happened.
@@ -109,16 +110,13 @@ async fn run(
     writer: &mut Writer,
     mut messages: SplitStream<WebSocket>,
 ) -> Result<(), Closed> {
-    let first = if resumed {
-        let Newest { event, tick } = viewer.told();
-        Live::Resumed { run: context.feed.run(), event, tick }.text()
-    } else {
-        snapshot(context, viewer.told())
-    };
+    let first = if resumed { resumed_at(context, viewer.told()) } else { snapshot(context, viewer.told()) };
     writer.text(first.into()).await?;
     let mut checks = checks();
+    let mut paces = context.clock.changes();
     loop {
         tokio::select! {
+            Ok(()) = paces.changed() => writer.text(resumed_at(context, viewer.told()).into()).await?,
             news = viewer.news() => tell(news?, writer).await?,
             message = messages.next() => match message {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Closed::Left),
@@ -161,6 +159,11 @@ fn positions(tick: u64, moved: &[Arc<Moved>]) -> String {
     Live::Positions { tick, positions: positions.collect() }.text()
 }
 
+fn resumed_at(context: &Context, at: Newest) -> String {
+    let (time, clock_speed) = (context.clock.now().into(), context.clock.pace().speed);
+    Live::Resumed { run: context.feed.run(), event: at.event, tick: at.tick, time, clock_speed }.text()
+}
+
 /// The state is read after the numbers: what happens between is told twice, never not at all.
 fn snapshot(context: &Context, at: Newest) -> String {
     let tracking = context.tracking();
@@ -168,7 +171,8 @@ fn snapshot(context: &Context, at: Newest) -> String {
         run: context.feed.run(),
         event: at.event,
         tick: at.tick,
-        time: tracking.now().into(),
+        time: context.clock.now().into(),
+        clock_speed: context.clock.pace().speed,
         live: tracking.below().map(LiveJson::from).collect(),
         alarms: tracking.open_alarms().map(AlarmJson::from).collect(),
         headcount: tracking.headcount().into(),

@@ -1,11 +1,15 @@
 //! adit's own API: everything that omlox has no word for, and the console's needs.
 
 mod alarms;
+mod audit;
+mod backups;
+mod clock;
 mod exports;
 mod following;
 mod history;
 mod live_socket;
 pub(super) mod people;
+mod rules;
 mod session;
 mod site;
 pub(super) mod tags;
@@ -35,7 +39,13 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::Export, routes!(exports::events))
         .needs(Permission::Export, routes!(exports::alarms))
         .needs(Permission::SeeAudit, routes!(history::audit))
+        .needs(Permission::SeeAudit, routes!(audit::verification))
+        .needs(Permission::SeeLive, routes!(rules::show))
+        .needs(Permission::ManageRules, routes!(rules::put))
+        .needs(Permission::BackUp, routes!(backups::list, backups::make))
         .needs(Permission::SeeSettings, routes!(site::settings))
+        .needs(Permission::SeeLive, routes!(clock::now))
+        .needs(Permission::SetClock, routes!(clock::set))
         .needs(Permission::Ingest, large(routes!(site::observations)))
 }
 

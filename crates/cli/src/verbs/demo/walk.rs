@@ -1,13 +1,13 @@
-//! `adit demo`: the whole way from a simulated walk to its judged path.
+//! `adit demo --walk`: the whole way from a simulated walk to its judged path.
 
-use super::simulate::simulate;
-use super::track::{TrackReport, track};
 use crate::args::DemoArgs;
 use crate::map;
 use crate::method::MethodName;
 use crate::output::{print, write_file};
 use crate::progress;
 use crate::scenario_file::Scenario;
+use crate::verbs::simulate::simulate;
+use crate::verbs::track::{TrackReport, track};
 use adit_evaluation::alignment::Alignment;
 use adit_evaluation::plot::{evaluation_figure, evaluation_paths, path_figure};
 use adit_evaluation::{EvaluationOptions, evaluate};
@@ -19,11 +19,11 @@ use std::path::Path;
 const MAP: (usize, usize) = (76, 12);
 
 /// What the simulated sensor is, for the filter.
-const FILTER: &str = include_str!("../../../../scenarios/s2-filter.toml");
+const FILTER: &str = include_str!("../../../../../scenarios/s2-filter.toml");
 
 /// Simulates, tracks, judges and shows.
 pub fn run(args: &DemoArgs) -> Result<()> {
-    let folder = args.out.as_path();
+    let folder = args.out.as_deref().unwrap_or(Path::new("out/demo"));
     let scenario = Scenario::demo()?;
     let seed = args.seed.unwrap_or(scenario.seed);
     let made = simulate(&scenario, seed, folder)?;

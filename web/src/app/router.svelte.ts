@@ -1,0 +1,46 @@
+/** Views by the address' hash: `#/people/p1?from=…`. */
+export interface Route {
+  view: string;
+  id: string | null;
+  query: Record<string, string>;
+  /** Counted up with every step by a link; not by `note`. */
+  visit: number;
+}
+
+let visits = 0;
+
+function parse(hash: string): Route {
+  const [path = "", search = ""] = hash.replace(/^#\/?/, "").split("?");
+  const [view = "", id] = path.split("/");
+  return {
+    view: view || "map",
+    id: id ? decodeURIComponent(id) : null,
+    query: Object.fromEntries(new URLSearchParams(search)),
+    visit: (visits += 1),
+  };
+}
+
+export const route = $state<Route>(parse(location.hash));
+
+export function link(view: string, id?: string | null, query: Record<string, string> = {}): string {
+  const search = new URLSearchParams(query).toString();
+  return `#/${view}${id != null ? `/${encodeURIComponent(id)}` : ""}${search ? `?${search}` : ""}`;
+}
+
+export function go(view: string, id?: string | null, query: Record<string, string> = {}): void {
+  location.hash = link(view, id, query);
+}
+
+/** Changes the query in place, without a step in the browser's history. */
+export function note(query: Record<string, string>): void {
+  const { view, id } = route;
+  history.replaceState(null, "", link(view, id, query));
+  route.query = query;
+}
+
+export function followAddress(): void {
+  addEventListener("hashchange", () => {
+    if (location.hash.startsWith("#login=")) return;
+    Object.assign(route, parse(location.hash));
+  });
+}

@@ -1,0 +1,134 @@
+/** A real server for a test: `adit serve` in a folder of its own, or the one at `ADIT_URL`. */
+import { spawn, type ChildProcess } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { Front } from "./front";
+
+const repository = resolve(import.meta.dirname, "../../..");
+
+function binary(): string | null {
+  const named = process.env["ADIT_BIN"];
+  const found = [named, join(repository, "target/debug/adit"), join(repository, "target/release/adit")];
+  return found.find((path) => path !== undefined && existsSync(path)) ?? null;
+}
+
+async function freePort(): Promise<number> {
+  return new Promise((done, fail) => {
+    const probe = createServer();
+    probe.on("error", fail);
+    probe.listen(0, "127.0.0.1", () => {
+      const at = probe.address();
+      probe.close(() => done(typeof at === "object" && at ? at.port : 0));
+    });
+  });
+}
+
+export class Server {
+  #process: ChildProcess | null = null;
+  #front: Front | null = null;
+  token = "";
+
+  private constructor(
+    private readonly binary: string,
+    private readonly folder: string,
+    private readonly mine: string,
+    readonly port: number,
+    public password: string,
+  ) {}
+
+  /** Null where there is no binary. */
+  static async start(mine = join(repository, "mines/two-level.toml")): Promise<Server | null> {
+    const found = binary();
+    if (found === null) return null;
+    const folder = mkdtempSync(join(tmpdir(), "adit-console-"));
+    const server = new Server(found, folder, mine, await freePort(), "");
+    await server.up();
+    await server.logIn();
+    server.#front = await Front.before(server.api);
+    return server;
+  }
+
+  /** Where the API answers. */
+  get api(): string {
+    return `http://127.0.0.1:${this.port}`;
+  }
+
+  /** Where the console is: the server's own where it has one, else a small front before it. */
+  get url(): string {
+    return this.#front?.url ?? this.api;
+  }
+
+  get embedded(): boolean {
+    return this.#front === null;
+  }
+
+  get pid(): number {
+    return this.#process?.pid ?? 0;
+  }
+
+  /** Starts it, again too. */
+  async up(): Promise<void> {
+    const args = [
+      "serve",
+      "--mine",
+      this.mine,
+      "--data",
+      join(this.folder, "data"),
+      "--listen",
+      `127.0.0.1:${this.port}`,
+    ];
+    const started = spawn(this.binary, args, { stdio: ["ignore", "pipe", "pipe"] });
+    this.#process = started;
+    let said = "";
+    await new Promise<void>((done, fail) => {
+      const hear = (bytes: Buffer) => {
+        said += bytes.toString();
+        const password = /password (\S+): it is not shown again/.exec(said);
+        if (password) this.password = password[1]!;
+        if (/keeps everything in/.test(said) && (this.password !== "" || password)) done();
+      };
+      started.stdout.on("data", hear);
+      started.stderr.on("data", hear);
+      started.on("exit", (code) => fail(new Error(`adit serve ended with ${code}: ${said}`)));
+    });
+  }
+
+  /** Ends it, as a power cut would or politely. */
+  async down(signal: "SIGKILL" | "SIGINT" = "SIGINT"): Promise<void> {
+    const running = this.#process;
+    this.#process = null;
+    if (!running) return;
+    running.removeAllListeners("exit");
+    const ended = new Promise((done) => running.once("exit", done));
+    running.kill(signal);
+    await ended;
+  }
+
+  async stop(): Promise<void> {
+    await this.#front?.close();
+    await this.down("SIGKILL");
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+
+  async logIn(): Promise<void> {
+    const answer = await this.ask<{ token: string }>("POST", "/api/v1/session", {
+      name: "admin",
+      password: this.password,
+    });
+    this.token = answer.token;
+  }
+
+  async ask<T>(method: string, path: string, body?: unknown): Promise<T> {
+    const headers: Record<string, string> = {};
+    if (this.token !== "") headers["Authorization"] = `Bearer ${this.token}`;
+    if (body !== undefined) headers["Content-Type"] = "application/json";
+    const init: RequestInit = { method, headers };
+    if (body !== undefined) init.body = JSON.stringify(body);
+    const answer = await fetch(this.api + path, init);
+    if (!answer.ok) throw new Error(`${method} ${path}: ${answer.status} ${await answer.text()}`);
+    const text = await answer.text();
+    return (text === "" ? undefined : JSON.parse(text)) as T;
+  }
+}
