@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(error) => return failure::usage(&error),
     };
-    progress::trace(args.verbose);
+    progress::trace(args.verbose, matches!(args.verb, args::Verb::Serve(_)));
     match interrupt::install().and_then(|()| verbs::run(&args.verb)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => failure::work(&error),

@@ -36,7 +36,8 @@ pub async fn write(
     health: Arc<Health>,
     mut outcomes: mpsc::UnboundedReceiver<RoundOutcome>,
 ) {
-    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0, stored };
+    let (waiting, unplaced) = (VecDeque::new(), Vec::new());
+    let mut desk = Desk { store, mine, waiting, unplaced, fixes: 0, retry: RETRY.0, stored };
     let mut maintenance = Instant::now() + MAINTENANCE;
     let mut upkeep = tokio::spawn(async {});
     let mut open = true;
@@ -94,6 +95,8 @@ struct Desk {
     store: Store,
     mine: Arc<Mine>,
     waiting: VecDeque<Round>,
+    /// Of rounds that the journal does not have.
+    unplaced: Vec<Record>,
     fixes: usize,
     retry: Duration,
     stored: Arc<AtomicU64>,
@@ -101,14 +104,23 @@ struct Desk {
 
 impl Desk {
     fn add(&mut self, outcome: &RoundOutcome) {
-        // What the journal does not have comes again; it is written then.
-        let Some(position) = outcome.position else { return };
-        let mut records: Vec<_> = outcome.fixes.iter().map(|fix| Record::Fix(self.fix(fix))).collect();
-        self.fixes += records.len();
+        let mut records = std::mem::take(&mut self.unplaced);
+        records.extend(outcome.fixes.iter().map(|fix| Record::Fix(self.fix(fix))));
         for event in &outcome.events {
             records.extend(alarm(event).map(Record::Alarm));
             records.push(Record::Event(happened(event)));
         }
+        let fixes = records.iter().filter(|record| matches!(record, Record::Fix(_))).count();
+        // What the journal could not take was live all the same: it goes with the next round that has a place.
+        let Some(position) = outcome.position else {
+            if fixes > MOST_FIXES {
+                metrics::counter!("adit_fixes_given_up_total").increment(fixes as u64);
+                records.retain(|record| !matches!(record, Record::Fix(_)));
+            }
+            self.unplaced = records;
+            return;
+        };
+        self.fixes += fixes;
         self.waiting.push_back(Round { position, records });
         if self.fixes > MOST_FIXES {
             self.give_up();

@@ -21,6 +21,7 @@ mod migrations;
 mod names;
 mod packed;
 mod record;
+mod replay;
 mod retention;
 mod track;
 mod verify;
@@ -31,9 +32,11 @@ pub use compact::Compacted;
 pub use error::StoreError;
 pub use logbook::{Cursor, LogPage, LogQuery};
 pub use record::{AlarmRecord, AuditRecord, Committed, EventRecord, FixRecord, Record, Round};
+pub use replay::ReplayQuery;
 pub use retention::{Retained, Retention};
 pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
 pub use verify::{AuditBreak, AuditQuery, AuditVerdict};
+pub(crate) use writing::Writing;
 
 use names::Names;
 use sqlx::sqlite::{

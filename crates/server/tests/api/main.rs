@@ -3,8 +3,10 @@
 mod account;
 mod feed;
 mod house;
+mod keeping;
 mod omlox;
 mod pages;
+mod past;
 mod people;
 mod tls;
 mod walk;
