@@ -93,6 +93,7 @@ for (const theme of ["dark", "light"] as const) {
       await show(page, hash);
       await page.waitForTimeout(name === "person" ? 7000 : 1800);
       if (name === "alarms") await page.locator("table a").first().click();
+      if (name === "replay") await page.getByRole("button", { name: "To the last alarm" }).click();
       if (name === "people") await page.waitForSelector("tbody tr");
       await page.waitForTimeout(300);
       if (theme === "dark") await picture(page, name);

@@ -1,6 +1,6 @@
 /** The live state for views: `LiveState` and its socket, with revisions that runes see. */
 import { api } from "../api/client";
-import type { Evacuation, Headcount, LiveMessage, Mine, PersonNow, TagNow, ZoneNow } from "../api/types";
+import type { Evacuation, Headcount, Live, LiveMessage, Mine, PersonNow, TagNow, ZoneNow } from "../api/types";
 import { LiveSocket, type Link } from "../live/socket";
 import { LiveState, byUrgency } from "../live/state";
 import { refresh } from "./session.svelte";
@@ -119,6 +119,16 @@ export function loadNames(): Promise<void> {
   });
 }
 
+/** Positions come when somebody moves; who rests, and how circles grow, is asked for. A crowd is asked for less often. */
+let askedAt = 0;
+async function refreshQuiet(): Promise<void> {
+  const every = state.subjects.size > 500 ? 10_000 : 3000;
+  state.patienceMs = 1.6 * every * state.clock.speed;
+  if (performance.now() - askedAt < every || !state.quietFor(2500 * state.clock.speed)) return;
+  askedAt = performance.now();
+  await quietly(async () => state.refresh(await api.get<Live[]>("/api/v1/live")));
+}
+
 /** Kinds of tags that nobody wears: a vehicle is drawn as one. */
 export async function loadTags(): Promise<TagNow[]> {
   return api.get<TagNow[]>("/api/v1/tags");
@@ -172,6 +182,7 @@ export function start(): () => void {
   const seconds = setInterval(() => {
     revision.second += 1;
     if (state.evacuation && revision.second % 2 === 0) void loadEvacuation();
+    void refreshQuiet();
     if (revision.second % 15 === 0) countSeldom();
     // Others may draw zones too, and nothing tells of it.
     if (revision.second % 30 === 0) void loadZones();

@@ -321,7 +321,7 @@ export const en = {
 
   "person.back": "Back to all people",
   "person.no-zone": "in no zone",
-  "person.protection": "outside {m} in 1 of 1,000 at most",
+  "person.protection": "{r} at the fix; 99.9 % within {m}",
   "person.heard": "last heard: {age}, by {gateway}",
   "person.motion": "Motion",
   "person.since": "for {age}",

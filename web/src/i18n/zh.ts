@@ -323,7 +323,7 @@ export const zh: Words = {
 
   "person.back": "返回人员列表",
   "person.no-zone": "不在任何区域",
-  "person.protection": "超出 {m} 的概率不大于千分之一",
+  "person.protection": "定位时 {r}；99.9 % 在 {m} 内",
   "person.heard": "最近通信：{age}，网关 {gateway}",
   "person.motion": "运动状态",
   "person.since": "已 {age}",

@@ -146,3 +146,20 @@ test("what waits and is worst stands first", () => {
   ];
   expect(list.sort(byUrgency).map((it) => it.id)).toEqual([4, 3, 1, 2]);
 });
+
+test("a circle grows as the server says: not of who rests, and by itself only when the server is silent", () => {
+  const state = started();
+  const subject = state.subjects.get("p:p1")!;
+  const fix = Date.parse(TIME);
+  const told = (motion: string, radius_now_m: number) => {
+    const live = below("p1", 0);
+    live.motion = { motion, since: TIME };
+    live.last_known = { ...live.last_known!, radius_now_m, age_s: 60 };
+    state.refresh([live]);
+  };
+  told("moving", 92);
+  expect(subject.radiusAt(fix + 62_000, 5000)).toBe(92);
+  expect(subject.radiusAt(fix + 70_000, 5000)).toBeCloseTo(92 + 15, 9);
+  told("still", 2);
+  expect(subject.radiusAt(fix + 600_000, 5000)).toBe(2);
+});
