@@ -8,10 +8,8 @@ help: ## this list
 console:
 	@bash ci/console.sh
 
-demo: console ## build adit and track an example walk that it simulates itself
+demo: console ## build adit and start a simulated shift, live in the browser
 	cargo run --locked --release -p adit-cli --bin adit -- demo
-	@echo
-	@echo "\`adit\` is $${CARGO_TARGET_DIR:-target}/release/adit; to have it on your path: cargo install --locked --path crates/cli"
 
 test: ## every check: format, lints, tests, doc tests, docs, no_std proof, repository rules
 	@bash ci/test.sh

@@ -8,7 +8,7 @@
 #   `roadways`: walks without infrastructure held to roadways, `shift`: speed and memory of simulating everybody in a mine, `steps`: counted steps of the recorded sets, `phone-walks`: dead reckoning at the waypoints of the recorded walks with a phone,
 #   `optimise`: the optimisers and mealpy's, whose numbers are made anew in crates/tuning/tests/reference/mealpy.csv, `optimise-tails`: a choice
 #   that the paper leaves);
-#   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo`;
+#   a block from `<!-- run:begin adit … -->` to `<!-- run:end -->`: what this command prints, run after `adit demo --walk`;
 #   docs/results/trials.md, docs/results/demo-path.svg, docs/results/demo-evaluation.svg, docs/results/stance.svg,
 #   docs/results/ahrs-delay.svg, docs/results/steel-norm.svg, docs/results/steel-heading.svg, docs/results/marg-heading.svg,
 #   docs/results/s0-position.svg, docs/results/s1-distribution.svg, docs/results/s4-distribution.svg, docs/results/uwb-gate.svg, docs/results/pdr-steps.svg, docs/results/radio.svg, docs/results/radio-positions.svg, docs/results/ranges.svg, docs/results/ranging.svg, docs/results/nlos.svg, docs/results/people-plan.svg, docs/results/roadways.svg, docs/results/blackout.svg, docs/results/tune.svg (of the first command of docs/tune.md), docs/results/magnetometer.svg, docs/results/allan.svg (of logs that the example simulated_calibration makes), docs/results/optimise-convergence.svg.
@@ -98,7 +98,7 @@ run() {
     (cd "$fresh/here" && PATH="$bin:$PATH" bash -c "$1") | sed -e '/^speed /d' -e 's/ *$//'
 }
 
-run 'adit demo' >"$fresh/demo.txt"
+run 'adit demo --walk' >"$fresh/demo.txt"
 cp "$fresh/here/out/demo/path.svg" docs/results/demo-path.svg
 cp "$fresh/here/out/demo/evaluation.svg" docs/results/demo-evaluation.svg
 

@@ -4,6 +4,7 @@ use crate::config;
 use crate::progress;
 use adit_estimation::radio::RadioSite;
 use adit_estimation::radio::model::{FingerprintModel, ModelKind, PathLossModel, RangesModel, VERSION};
+use adit_mine::Mine;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -21,24 +22,26 @@ pub fn read(mine: Option<&Path>, models: &[PathBuf]) -> Result<Option<Arc<RadioS
     if mine.is_none() && models.is_empty() {
         return Ok(None);
     }
-    let mut site = mine.map(of_mine).transpose()?.unwrap_or_default();
-    for path in models {
-        site = with_model(site, path)?;
-    }
-    Ok(Some(Arc::new(site)))
-}
-
-/// Access points (or, in a bare list, anchors) and roadways of a mine file.
-fn of_mine(path: &Path) -> Result<RadioSite> {
+    let Some(path) = mine else { return with_models(RadioSite::default(), models).map(Some) };
     let (mine, notices) = adit_mine::file::open(path)?;
     for notice in notices {
         tracing::info!("{}: {notice}", path.display());
     }
-    let site = RadioSite::of_mine(&mine);
+    of(&mine, path, models).map(Some)
+}
+
+/// The radio of a site by its mine, read from this file, and the calibrations of its radio.
+pub fn of(mine: &Mine, path: &Path, models: &[PathBuf]) -> Result<Arc<RadioSite>> {
+    // Access points (or, in a bare list, anchors) and roadways.
+    let site = RadioSite::of_mine(mine);
     if site.transmitters.is_empty() {
         progress::warn(&[format!("{}: has no access points", path.display())]);
     }
-    Ok(site)
+    with_models(site, models)
+}
+
+fn with_models(site: RadioSite, models: &[PathBuf]) -> Result<Arc<RadioSite>> {
+    models.iter().try_fold(site, |site, path| with_model(site, path)).map(Arc::new)
 }
 
 fn with_model(site: RadioSite, path: &Path) -> Result<RadioSite> {

@@ -48,6 +48,14 @@ pub enum ServerError {
         /// Why.
         what: String,
     },
+    /// The plan of the mine cannot be changed so.
+    #[error("{path}: {what}")]
+    Plan {
+        /// Where changes stand.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
     /// The rules of the tracking are none.
     #[error(transparent)]
     Rules(#[from] adit_tracking::RulesError),

@@ -11,6 +11,7 @@ pub mod ingest;
 pub mod journal;
 mod lock;
 pub mod pipeline;
+mod plan_changes;
 mod run;
 mod seldom;
 mod server;
@@ -19,5 +20,6 @@ mod writer;
 
 pub use clock::{Clock, FASTEST, Pace, now};
 pub use error::ServerError;
+pub use plan_changes::{AnchorChange, PlanChanges, PlanDesk, with_changes};
 pub use run::{Parts, Settings, start};
 pub use server::{Server, Serving};

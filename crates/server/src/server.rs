@@ -5,6 +5,7 @@ use crate::auth::{Auth, AuthSettings, WallClock};
 use crate::clock::now;
 use crate::error::ServerError;
 use crate::feed::{Feed, FeedSettings};
+use crate::plan_changes::PlanDesk;
 use crate::run::{self, Parts, Settings};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -49,6 +50,7 @@ impl Server {
         let api = ApiSettings { secure_cookies: api.secure_cookies || tls.is_some(), ..api };
         let metrics = Metrics::of_process();
         let mine = Arc::clone(&settings.mine);
+        let data = settings.data.clone();
         let feed = Feed::new(feed);
         let clock = settings.clock.clone();
         let viewers = Arc::clone(&feed);
@@ -72,6 +74,7 @@ impl Server {
             settings: api,
             shown_settings: shown,
             clock,
+            plan: PlanDesk::open(&data)?,
         });
         let (stop, stopped) = oneshot::channel::<()>();
         let end = async move {

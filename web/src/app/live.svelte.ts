@@ -84,7 +84,6 @@ function seldom(ms: number, then: () => void): () => void {
 const peopleSeldom = seldom(LISTS_MS, () => (revision.people += 1));
 const countSeldom = seldom(COUNTS_MS, () => void count());
 const namesSeldom = seldom(500, () => void loadNames());
-const zonesSeldom = seldom(COUNTS_MS, () => void loadZones());
 
 async function quietly(work: () => Promise<void>): Promise<void> {
   try {
@@ -150,7 +149,6 @@ export function start(): () => void {
     if (change === "event") {
       revision.events += 1;
       if (event && LiveState.counts(event)) countSeldom();
-      if (event?.event === "zone-entered" || event?.event === "zone-left") zonesSeldom();
       if (event?.event === "evacuation-started") void loadEvacuation();
     }
   });
@@ -175,6 +173,8 @@ export function start(): () => void {
     revision.second += 1;
     if (state.evacuation && revision.second % 2 === 0) void loadEvacuation();
     if (revision.second % 15 === 0) countSeldom();
+    // Others may draw zones too, and nothing tells of it.
+    if (revision.second % 30 === 0) void loadZones();
   }, 1000);
   void loadMine();
   void loadNames();

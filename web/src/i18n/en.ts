@@ -249,7 +249,9 @@ export const en = {
   "evacuation.last": "Last known",
   "evacuation.to-refuge": "To a refuge",
   "evacuation.to-out": "To the way out",
-  "evacuation.nearer": "Nearer by",
+  "evacuation.nearer": "Since the start",
+  "evacuation.nearer-m": "{m} nearer",
+  "evacuation.farther-m": "{m} farther",
   "evacuation.nobody": "Nobody stands so.",
 
   "evacuee.missing": "missing",

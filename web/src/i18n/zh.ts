@@ -251,7 +251,9 @@ export const zh: Words = {
   "evacuation.last": "最后已知位置",
   "evacuation.to-refuge": "距避难硐室",
   "evacuation.to-out": "距出井口",
-  "evacuation.nearer": "已接近",
+  "evacuation.nearer": "启动以来",
+  "evacuation.nearer-m": "接近 {m}",
+  "evacuation.farther-m": "远离 {m}",
   "evacuation.nobody": "没有此状态的人员。",
 
   "evacuee.missing": "失踪",

@@ -90,7 +90,7 @@ export class MineMap {
     const [width, height] = this.map.getSize() ?? [800, 600];
     const pad = Math.min(60, width! / 10, height! / 10);
     this.map.getView().fit([bounds.west, bounds.south, bounds.east, bounds.north], {
-      padding: [pad, pad, pad, pad],
+      padding: [height! > 500 ? pad + 44 : pad, pad, pad, pad],
       minResolution: 0.12,
       duration: animate ? 250 : 0,
     });

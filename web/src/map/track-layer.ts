@@ -2,7 +2,7 @@
 import Layer from "ol/layer/Layer";
 import type { FrameState } from "ol/Map";
 import type { Quality, TrackFix } from "../api/types";
-import { colourOf } from "./people-layer";
+import { colourOf } from "./sprites";
 import type { Palette } from "./palette";
 import { Sheet } from "./sheet";
 import type { Stack } from "./stack";

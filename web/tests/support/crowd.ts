@@ -97,7 +97,7 @@ export class Crowd {
     private readonly mine: Mine,
   ) {}
 
-  /** `named` of them are entered as people with a tag each; the others are tags that nobody wears. */
+  /** `named` of them are entered as people with a tag each; the others are tags that nobody is known to wear. */
   static async of(server: Server, count: number, named = count): Promise<Crowd> {
     const mine = await server.ask<Mine>("GET", "/api/v1/mine");
     const crowd = new Crowd(server, mine);
@@ -121,7 +121,6 @@ export class Crowd {
     }
     const enter = async (index: number) => {
       await server.ask("POST", "/api/v1/tags", { id: tagId(index), worn: "helmet" });
-      if (index >= named) return;
       const person = {
         id: personId(index),
         name: personName(index),
@@ -131,8 +130,8 @@ export class Crowd {
       await server.ask("POST", "/api/v1/people", person);
       await server.ask("POST", `/api/v1/tags/${tagId(index)}/assignments`, { person: personId(index) });
     };
-    for (let from = 0; from < Math.min(count, 1000); from += 40) {
-      await Promise.all(Array.from({ length: Math.min(40, Math.min(count, 1000) - from) }, (_, i) => enter(from + i)));
+    for (let from = 0; from < named; from += 40) {
+      await Promise.all(Array.from({ length: Math.min(40, named - from) }, (_, index) => enter(from + index)));
     }
     return crowd;
   }
@@ -188,11 +187,8 @@ export class Crowd {
   }
 }
 
-/** A packet of a tag through a gateway: a press of the distress button, a battery, rest or motion. */
-export async function packet(server: Server, tag: string, sequence: number, observations: unknown[]): Promise<unknown> {
-  return server.ask("POST", "/api/v1/gateways/g-test/observations", {
-    boot: 1,
-    sequence,
-    packets: [{ tag, sequence, observations }],
-  });
+/** Somebody presses the button for help, as their tag tells it through a gateway. */
+export async function press(server: Server, tag: string): Promise<void> {
+  const packets = [{ tag, distress: true, battery: 0.63, observations: [] }];
+  await server.ask("POST", "/api/v1/gateways/g-test/observations", { boot: Date.now(), sequence: 1, packets });
 }

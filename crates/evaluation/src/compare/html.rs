@@ -1,17 +1,10 @@
 //! A comparison as one HTML page: tables and figures inside, nothing loaded from elsewhere.
 
+use super::style::STYLE;
 use super::summary::{Comparison, MethodSummary, Nees, Quantiles};
 use crate::EvaluationError;
 use crate::plot::{DistributionCurve, PathCurve, TimeCurve, distribution_figure, path_figure, time_figure};
 use std::fmt::Write;
-
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,sans-serif;color:#22262a;max-width:62rem;margin:2rem auto;padding:0 1rem}\
-h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}\
-table{border-collapse:collapse;margin:.5rem 0}\
-th,td{padding:.25rem .7rem;text-align:right;border-bottom:1px solid #e6e9ec}\
-th:first-child,td:first-child{text-align:left}\
-svg{max-width:100%;height:auto}p.note{color:#5b636b;max-width:45rem}";
 
 /// The page; `paths` are truth and estimates of the first run.
 pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, EvaluationError> {
@@ -23,7 +16,7 @@ pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, 
     let _ = write!(
         page,
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
-         <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p>{} runs{}; aligned {}, judged {}. \
+         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}body{{max-width:62rem}}</style></head><body>\n<h1>{title}</h1>\n<p>{} runs{}; aligned {}, judged {}. \
          Position and velocity errors are horizontal.</p>\n",
         comparison.seeds,
         comparison.first_seed.map_or_else(String::new, |seed| format!(", seeds from {seed}")),

@@ -20,6 +20,7 @@ mod figure;
 mod html;
 mod paired;
 mod run;
+mod style;
 mod suite;
 mod suite_html;
 mod summary;

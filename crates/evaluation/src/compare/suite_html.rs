@@ -1,24 +1,22 @@
 //! A suite as one HTML page: the opening table, then every part.
 
 use super::html::escape;
+use super::style::STYLE;
 use super::suite::{JudgedPart, Suite, SuitePart, shown};
 use crate::EvaluationError;
 use crate::plot::{DistributionCurve, PathCurve, error_distribution_figure, path_figure};
 use std::fmt::Write;
 
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,sans-serif;color:#22262a;max-width:84rem;margin:2rem auto;padding:0 1rem}\
-h1{font-size:1.6rem;margin-bottom:.3rem}h2{font-size:1.2rem;margin-top:3rem;border-top:1px solid #e6e9ec;padding-top:1rem}\
-h3{font-size:1rem;margin:1.2rem 0 .2rem}\
-.wide{overflow-x:auto}table{border-collapse:collapse;margin:.5rem 0}\
-th,td{padding:.25rem .55rem;text-align:right;border-bottom:1px solid #e6e9ec;white-space:nowrap}\
-th:first-child,td:first-child{text-align:left}\
-table.opening{font-size:13px}table.opening td,table.opening th{padding:.25rem .45rem}table.parts td:nth-child(2),table.parts th:nth-child(2){text-align:left;color:#5b636b}table.all td:nth-child(2),table.all th:nth-child(2){text-align:left;color:#5b636b}\
+/// What only a suite has.
+const OWN_STYLE: &str = "\
+body{max-width:84rem}h2{border-top:1px solid var(--line);padding-top:1rem}\
+.wide{overflow-x:auto}th,td{padding:.25rem .55rem;white-space:nowrap}\
+table.opening{font-size:.8125rem}table.opening td,table.opening th{padding:.25rem .45rem}\
+table.parts td:nth-child(2),table.parts th:nth-child(2),table.all td:nth-child(2),table.all th:nth-child(2){text-align:left;color:var(--muted)}\
 table.opening th{vertical-align:bottom}table.opening th.m{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;padding:.6rem .2rem}\
-table.opening td:first-child{position:sticky;left:0;background:#fff}\
-td.best{font-weight:600;background:#e3f2ec}td.none{color:#b4bac0}td.skipped{color:#5b636b;font-style:italic;text-align:left}\
-small{color:#5b636b}a{color:#0072b2;text-decoration:none}\
-details{margin:.4rem 0}summary{cursor:pointer;color:#0072b2}svg{max-width:100%;height:auto}p.note,p.about{color:#5b636b;max-width:52rem}p.about{color:#22262a}\
+table.opening td:first-child{position:sticky;left:0;background:var(--panel)}\
+td.best{font-weight:600;color:var(--good);background:var(--good-ground)}td.none{color:var(--faint)}td.skipped{color:var(--muted);font-style:italic;text-align:left}\
+details{margin:.4rem 0}summary{cursor:pointer}p.about{max-width:52rem}\
 @media print{.wide{overflow:visible}h2{break-before:page}}";
 
 /// The section of one part: its table, the paths of its first run, the distributions of its errors.
@@ -152,7 +150,7 @@ pub fn suite_html(suite: &Suite, sections: &[String]) -> String {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width\"><title>{title}</title>\
-         <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p class=\"about\">{}</p>\n",
+         <style>{STYLE}{OWN_STYLE}</style></head><body>\n<h1>{title}</h1>\n<p class=\"about\">{}</p>\n",
         escape(&suite.about)
     );
     opening(&mut page, suite);

@@ -23,14 +23,15 @@ const TITLE_PX: i32 = 34;
 /// Longest title or label, characters.
 const LONGEST_LABEL: usize = 90;
 
-pub const INK: RGBColor = RGBColor(0x22, 0x26, 0x2A);
-pub const FAINT_INK: RGBColor = RGBColor(0x5B, 0x63, 0x6B);
-pub const AXIS: RGBColor = RGBColor(0x9A, 0xA2, 0xAA);
-pub const GRID: RGBColor = RGBColor(0xE6, 0xE9, 0xEC);
+// The console's tokens (web/src/styles/tokens.css): text, muted, line-strong, line, hover, panel.
+pub const INK: RGBColor = RGBColor(0x14, 0x20, 0x2A);
+pub const FAINT_INK: RGBColor = RGBColor(0x4B, 0x5C, 0x6A);
+pub const AXIS: RGBColor = RGBColor(0xA6, 0xB5, 0xC1);
+pub const GRID: RGBColor = RGBColor(0xD5, 0xDD, 0xE4);
 /// Phases that do not count.
-pub const SHADE: RGBColor = RGBColor(0xDF, 0xE4, 0xEA);
+pub const SHADE: RGBColor = RGBColor(0xE6, 0xEC, 0xF1);
 pub const GROUND: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
-const TRUTH: RGBColor = RGBColor(0x8A, 0x8F, 0x96);
+const TRUTH: RGBColor = RGBColor(0x87, 0x95, 0xA1);
 /// Okabe & Ito 2008, the darker ones first; yellow is too pale for thin lines.
 const ESTIMATES: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xB2),
@@ -39,8 +40,27 @@ const ESTIMATES: [RGBColor; 7] = [
     RGBColor(0xCC, 0x79, 0xA7),
     RGBColor(0xE6, 0x9F, 0x00),
     RGBColor(0x56, 0xB4, 0xE9),
-    RGBColor(0x22, 0x26, 0x2A),
+    INK,
 ];
+/// What stands in place of each colour where the viewer's page is dark: the console's dark tokens, and estimates bright enough for them.
+const DARK: [(RGBColor, RGBColor); 13] = [
+    (GROUND, RGBColor(0x12, 0x1A, 0x21)),
+    (INK, RGBColor(0xE6, 0xED, 0xF3)),
+    (FAINT_INK, RGBColor(0x9D, 0xB0, 0xBF)),
+    (AXIS, RGBColor(0x3D, 0x4F, 0x5E)),
+    (GRID, RGBColor(0x26, 0x33, 0x3E)),
+    (SHADE, RGBColor(0x22, 0x30, 0x3B)),
+    (TRUTH, RGBColor(0x7F, 0x93, 0xA3)),
+    (ESTIMATES[0], RGBColor(0x6C, 0xC0, 0xFF)),
+    (ESTIMATES[1], RGBColor(0xFF, 0x8F, 0x57)),
+    (ESTIMATES[2], RGBColor(0x3F, 0xD0, 0xA0)),
+    (ESTIMATES[3], RGBColor(0xD9, 0x8C, 0xB8)),
+    (ESTIMATES[4], RGBColor(0xFF, 0xAD, 0x42)),
+    (ESTIMATES[5], RGBColor(0xA6, 0xDC, 0xFF)),
+];
+/// The console's type.
+pub const FONT: &str =
+    "system-ui,-apple-system,\"Segoe UI\",\"Noto Sans\",\"PingFang SC\",\"Microsoft YaHei\",sans-serif";
 
 /// Type sizes, px.
 #[derive(Debug, Clone, Copy)]
@@ -112,8 +132,21 @@ fn shrink(drawn: &str, (width, height): (i32, i32)) -> String {
         units(width),
         units(height)
     );
+    // A colour of a rule goes before that of an attribute.
+    let _ = write!(figure, "<style>svg text{{font-family:{FONT}}}@media (prefers-color-scheme:dark){{");
+    for (light, dark) in DARK {
+        for attribute in ["fill", "stroke"] {
+            let _ = write!(figure, "svg [{attribute}=\"{}\"]{{{attribute}:{}}}", hex(light), hex(dark));
+        }
+    }
+    figure.push_str("}</style>");
     figure.push_str(body);
     figure
+}
+
+/// As plotters writes it.
+fn hex(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// Pixels of the figure to drawing units.

@@ -1,6 +1,6 @@
 //! Figures as SVG text: the path over the truth, errors over time, their distribution.
 //!
-//! One visual language: white ground, thin grid, the truth in grey under everything, estimates in the colours of Okabe &
+//! One visual language, that of the console: its colours and type, light or dark as the viewer has it; thin grid, the truth in grey under everything, estimates in the colours of Okabe &
 //! Ito (2008), which readers with any colour vision tell apart; legends above the data, never on it; units on every axis.
 //! Paths have equal axes and a scale bar. Curves are thinned to what the eye can see, [`MAX_POINTS`] at most.
 //!

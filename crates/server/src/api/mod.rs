@@ -29,6 +29,7 @@ pub use serve::{TlsFiles, serve};
 pub use timestamp::Timestamp;
 pub use view::{AlarmJson, EventJson, LiveJson, WhereJson};
 
+use crate::PlanDesk;
 use crate::auth::{Auth, Permission};
 use crate::clock::Clock;
 use crate::console;
@@ -90,6 +91,8 @@ pub struct Context {
     pub shown_settings: Value,
     /// The time of the mine.
     pub clock: Clock,
+    /// Changes of the plan.
+    pub plan: PlanDesk,
 }
 
 impl Context {

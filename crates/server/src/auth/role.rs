@@ -189,7 +189,7 @@ impl Permission {
             Self::ManageZones => (
                 Role::SafetyOfficer,
                 "manage-zones",
-                "add, change and remove zones, forget gateways and anchors",
+                "add, change and remove zones and the anchors of the plan, forget gateways and anchors",
             ),
             Self::ManageRules => (Role::SafetyOfficer, "manage-rules", "change the rules of alarms"),
             Self::Export => (Role::SafetyOfficer, "export", "export tracks, events and alarms"),

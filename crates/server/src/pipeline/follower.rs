@@ -41,6 +41,9 @@ pub struct Follower {
     told: Option<Time>,
     /// The last entry of the journal that counts.
     applied: Position,
+    /// The same when it was read back from a snapshot: all of that entry and of those before it is in it.
+    #[serde(skip)]
+    held: Position,
     counts: TagCounts,
     errors_in_a_row: u32,
     last_error: Option<String>,
@@ -103,6 +106,7 @@ impl Follower {
             wired: None,
             told: None,
             applied: 0,
+            held: 0,
             counts: TagCounts::default(),
             errors_in_a_row: 0,
             last_error: None,
@@ -119,11 +123,16 @@ impl Follower {
         self.applied
     }
 
+    /// The last entry of the journal that the snapshot had which it was read back from; an entry may have several packets of a tag.
+    pub fn held(&self) -> Position {
+        self.held
+    }
+
     /// As it is kept: without what all tags of a site have in common.
     pub fn kept(&self) -> Self {
         Self {
             profile: Arc::clone(&self.profile),
-            clock: self.clock.clone(),
+            clock: self.clock,
             numbers: self.numbers.clone(),
             estimator: self.estimator.clone().map(Estimator::detached),
             links: self.links.clone(),
@@ -134,6 +143,7 @@ impl Follower {
 
     /// Gives one that was read back its site again; one whose profile has another method begins anew.
     pub fn attach(&mut self, profile: &Profile) {
+        self.held = self.applied;
         let attached = self.estimator.as_mut().map(|estimator| estimator.attach(&profile.settings));
         if let Some(Err(error)) = attached {
             self.begin_anew(&error.to_string());

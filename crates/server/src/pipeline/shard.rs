@@ -95,7 +95,7 @@ impl Shard {
         }
         let Some(follower) = self.followers.get_mut(packet.tag.as_str()) else { return };
         // What the snapshot holds already.
-        if arrival.position.is_some_and(|position| position <= follower.applied()) {
+        if arrival.position.is_some_and(|position| position <= follower.held()) {
             return;
         }
         follower.take(packet, arrival, (profile, &mut self.scratch), inputs);

@@ -271,3 +271,41 @@ fn what_the_store_did_not_get_it_gets_after_the_restart() {
     same(&sorted(&again.told), &sorted(&told[lines_stored..]));
     assert!(again.told.len() > 50, "{}", again.told.len());
 }
+
+#[test]
+fn a_batch_with_several_packets_of_a_tag_is_taken_whole_also_after_a_restart() {
+    let mine = two_level();
+    let walk = walk(&mine, Mount::Belt(Belt::front()), 1);
+    let packet = |second: i64| {
+        let (from, until) = (second * SECOND_NS, (second + 1) * SECOND_NS);
+        let within = |o: &&Observation| (from..until).contains(&o.time().nanos());
+        let moved = |o: &Observation| o.clone().at(o.time() + Interval::from_nanos(EPOCH_NS));
+        Packet {
+            tag: DeviceId::new("belt-1").unwrap(),
+            number: (second + 1).unsigned_abs(),
+            battery: None,
+            distress: false,
+            observations: walk.iter().filter(within).map(moved).collect(),
+        }
+    };
+    // A gateway that was cut off sends what it has kept.
+    let backlog = |sequence: u64, seconds: std::ops::Range<i64>| {
+        let arrived = Time::from_nanos(EPOCH_NS + seconds.end * SECOND_NS);
+        let batch = seconds.fold(Batch::new(7, sequence), |batch, second| {
+            batch.with_packet(&packet(second), &Resolution::default())
+        });
+        let batch = GatewayBatch { gateway: "gw".to_owned(), batch: batch.to_bytes().into() };
+        (arrived, What::Batch(batch))
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut server = Server::start(&mine, folder.path(), 0);
+    let numbers = |server: &Server| server.pipeline.health("belt-1").unwrap().packet_numbers;
+    assert!(server.take(&runtime, &backlog(1, 0..4)));
+    assert_eq!(numbers(&server), [(1, 4)]);
+    server.die();
+    let mut server = Server::start(&mine, folder.path(), 0);
+    assert_eq!(numbers(&server), [(1, 4)]);
+    assert!(server.take(&runtime, &backlog(2, 4..9)));
+    assert_eq!(numbers(&server), [(1, 9)]);
+}

@@ -58,9 +58,9 @@ pub struct DrawnTrack {
 }
 
 /// What a page is made of.
-struct Packed {
-    fixes: Vec<PackedFix>,
-    next_ms: Option<i64>,
+pub(super) struct Packed {
+    pub fixes: Vec<PackedFix>,
+    pub next_ms: Option<i64>,
 }
 
 /// A query in numbers of the store.
@@ -159,7 +159,7 @@ impl Store {
     }
 
     /// One page of a track, in order of time.
-    async fn packed_page(&self, query: &TrackQuery) -> Result<Packed, StoreError> {
+    pub(super) async fn packed_page(&self, query: &TrackQuery) -> Result<Packed, StoreError> {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut transaction = self.readers().begin().await.map_err(failed)?;
         let Some(numbers) = numbers(query, &mut transaction).await.map_err(failed)? else {

@@ -10,7 +10,7 @@ use adit_server::ingest::PositionReport;
 use adit_server::now;
 use adit_server::pipeline::{Profile, Profiles};
 use adit_server::store::Retention;
-use adit_server::{Clock, Parts, Settings};
+use adit_server::{Clock, Parts, PlanDesk, Settings};
 use adit_tracking::Rules;
 use futures_util::StreamExt as _;
 use std::collections::BTreeMap;
@@ -37,7 +37,7 @@ pub struct House {
     tokens: BTreeMap<&'static str, String>,
     _parts: Parts,
     _stop: oneshot::Sender<()>,
-    _folder: tempfile::TempDir,
+    folder: tempfile::TempDir,
 }
 
 impl House {
@@ -100,6 +100,7 @@ impl House {
             settings,
             shown_settings: serde_json::json!({ "site": "test" }),
             clock,
+            plan: PlanDesk::open(folder.path())?,
         });
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let address = listener.local_addr()?;
@@ -108,7 +109,12 @@ impl House {
             let _ = stopped.await;
         });
         tokio::spawn(serving);
-        Ok(Self { address, context, tokens, _parts: parts, _stop: stop, _folder: folder })
+        Ok(Self { address, context, tokens, _parts: parts, _stop: stop, folder })
+    }
+
+    /// Where it keeps everything.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     pub fn url(&self, path: &str) -> String {

@@ -6,6 +6,7 @@ mod house;
 mod keeping;
 mod omlox;
 mod pages;
+mod past;
 mod people;
 mod tls;
 mod walk;

@@ -14,7 +14,8 @@ export interface Counts {
   restarts: number;
 }
 
-const object = (value: unknown): Record<string, unknown> => (typeof value === "object" && value !== null ? (value as Record<string, unknown>) : {});
+const object = (value: unknown): Record<string, unknown> =>
+  typeof value === "object" && value !== null ? (value as Record<string, unknown>) : {};
 const count = (value: unknown): number => (typeof value === "number" && Number.isFinite(value) ? value : 0);
 
 export function countsOf(following: Following): Counts {
@@ -45,7 +46,9 @@ export interface Innovations {
 export function innovationsOf(following: Following): Innovations {
   const report = object(following.method_report);
   const carried = object(report["process"])["carried"];
-  const warnings = Array.isArray(report["warnings"]) ? report["warnings"].map((it) => (typeof it === "string" ? it : JSON.stringify(it))) : [];
+  const warnings = Array.isArray(report["warnings"])
+    ? report["warnings"].map((it) => (typeof it === "string" ? it : JSON.stringify(it)))
+    : [];
   return {
     sum: count(report["nis_sum"]),
     count: count(report["nis_count"]),
@@ -65,7 +68,12 @@ export function restOf(report: unknown, known: Set<string>): [string, string][] 
     if (typeof value === "object" && value !== null && !Array.isArray(value)) {
       for (const [key, inner] of Object.entries(value)) walk(inner, path === "" ? key : `${path}.${key}`);
     } else if (path !== "") {
-      const plain = typeof value === "number" ? String(Number(value.toPrecision(5))) : typeof value === "string" ? value : JSON.stringify(value);
+      const plain =
+        typeof value === "number"
+          ? String(Number(value.toPrecision(5)))
+          : typeof value === "string"
+            ? value
+            : JSON.stringify(value);
       rest.push([path, plain]);
     }
   };
@@ -92,7 +100,11 @@ export class Course {
     const weighed = innovations.count - last.count;
     this.samples = [
       ...this.samples,
-      { time, nis: weighed > 0 ? (innovations.sum - last.sum) / weighed : null, outliers: Math.max(0, innovations.outliers - last.outliers) },
+      {
+        time,
+        nis: weighed > 0 ? (innovations.sum - last.sum) / weighed : null,
+        outliers: Math.max(0, innovations.outliers - last.outliers),
+      },
     ].slice(-KEPT);
   }
 }

@@ -41,12 +41,16 @@ async function oneByOne(span: Span): Promise<Course[]> {
   ]);
   const keys = new Map<string, { person: string | null; id: string }>();
   for (const { person } of people) keys.set(keyOf(person.id, null), { person: person.id, id: person.id });
-  for (const shift of shifts) if (shift.person == null && shift.tag != null) keys.set(keyOf(null, shift.tag), { person: null, id: shift.tag });
+  for (const shift of shifts)
+    if (shift.person == null && shift.tag != null) keys.set(keyOf(null, shift.tag), { person: null, id: shift.tag });
   const asked = [...keys].slice(0, TRACKS);
   const courses: Course[] = [];
   for (let from = 0; from < asked.length; from += AT_ONCE) {
     const tracks = asked.slice(from, from + AT_ONCE).map(async ([key, { person, id }]) => {
-      const track = await api.get<Track>(`/api/v1/${person !== null ? "people" : "tags"}/${part(id)}/track`, { ...query, points: 2000 });
+      const track = await api.get<Track>(`/api/v1/${person !== null ? "people" : "tags"}/${part(id)}/track`, {
+        ...query,
+        points: 2000,
+      });
       return courseOfTrack(key, person, track);
     });
     courses.push(...(await Promise.all(tracks)).filter((course) => course.times.length > 0));
@@ -55,6 +59,10 @@ async function oneByOne(span: Span): Promise<Course[]> {
 }
 
 export async function loadAlarms(span: Span): Promise<Alarm[]> {
-  const page = await api.get<AlarmPage>("/api/v1/history/alarms", { from: iso(span.from), until: iso(span.until), limit: 500 });
+  const page = await api.get<AlarmPage>("/api/v1/history/alarms", {
+    from: iso(span.from),
+    until: iso(span.until),
+    limit: 500,
+  });
   return page.rows;
 }

@@ -33,8 +33,10 @@ const LOOK: Duration = Duration::from_secs(1);
 /// So far behind, in time of the wall, for so many looks, and the clock is slowed by this.
 const BEHIND_S: f64 = 0.8;
 const LOOKS: u32 = 3;
+/// A position is no older at the viewer: a packet is of a second, and its last step ends in the next, s of the shift.
+const ON_TIME_S: f64 = 2.0;
 const SLOWER: f64 = 0.8;
-/// After the power was back this is not judged: there is something to catch up with.
+/// At the beginning and when something is back this is not judged: there is something to catch up with.
 const CATCH_UP: Duration = Duration::from_secs(10);
 /// The score is told this often, s of the shift.
 const SCORE_S: f64 = 300.0;
@@ -136,17 +138,17 @@ pub fn run(args: &DemoArgs) -> Result<()> {
         runtime: &runtime,
         cues,
         power_back: None,
-        looks: Looks { next: begun + LOOK, late: 0, not_before: begun },
+        looks: Looks { next: begun + LOOK, late: 0, not_before: Instant::now() + CATCH_UP },
         scored: (0, SCORE_S),
         missing_since: None,
         slowest: args.speed,
         observations: 0,
+        begun: Some(begun),
     };
-    shift.tell(&format!(
-        "the shift begins; first positions {:.1} s after the start of this program",
-        begun.elapsed().as_secs_f64()
-    ))?;
+    shift.tell("the shift begins")?;
     let ended = shift.go(length_s);
+    // The same Ctrl-C ends the server: what it did not answer any more is no error.
+    let ended = if interrupt::check().is_err() { Ok(()) } else { ended };
     let told = shift.end(ended.is_ok());
     ended.and(told)
 }
@@ -237,6 +239,8 @@ struct Shift<'a> {
     missing_since: Option<Instant>,
     slowest: f64,
     observations: u64,
+    /// When this program was started; until the first positions are told.
+    begun: Option<Instant>,
 }
 
 impl Shift<'_> {
@@ -348,6 +352,13 @@ impl Shift<'_> {
             let (kind, severity, about) = (&raised.kind, &raised.severity, &raised.about);
             tell_at((raised.time - self.begin).seconds(), &format!("  alarm, {severity}: {kind}: {about}"))?;
         }
+        if let Some(begun) = self.begun.filter(|_| !self.viewer.seen().found.is_empty()) {
+            self.begun = None;
+            let seconds = begun.elapsed().as_secs_f64();
+            self.tell(&format!(
+                "first positions at the viewer, {seconds:.1} s after the start of this program"
+            ))?;
+        }
         if let Some(since) = self.missing_since {
             let sending = self.crew.sending();
             let found = self.viewer.seen().found.len();
@@ -385,9 +396,10 @@ impl Shift<'_> {
             self.looks.late = 0;
             return Ok(());
         }
-        let waiting_s = self.gateways.account.waiting() as f64 / self.crew.sending().max(1) as f64;
         let speed = self.clock.pace().speed;
-        let behind_s = (self.now_s() - self.crew.seconds() + waiting_s) / speed;
+        // Whatever is slow, the simulation, the way or the server: positions are late by it.
+        let newest = self.viewer.seen().newest.unwrap_or(self.begin);
+        let behind_s = ((self.clock.now() - newest).seconds() - ON_TIME_S).max(0.0) / speed;
         self.looks.late = if behind_s > BEHIND_S { self.looks.late + 1 } else { 0 };
         if self.looks.late < LOOKS || speed <= 1.0 {
             return Ok(());
@@ -401,6 +413,15 @@ impl Shift<'_> {
         self.tell(&format!(
             "this machine is {behind_s:.1} s behind: the shift goes on at {slower:.1} times real time, nothing is left out"
         ))
+    }
+
+    /// How many packets the server has.
+    fn came(&self) -> Result<u64> {
+        let came = self.runtime.block_on(self.target.ask("GET", "/api/v1/packets", None))?;
+        let tags = came.as_array().into_iter().flatten();
+        let spans = tags.filter_map(|tag| tag["numbers"].as_array()).flatten();
+        let length = |span: &serde_json::Value| Some(span[1].as_u64()? + 1 - span[0].as_u64()?);
+        Ok(spans.filter_map(length).sum())
     }
 
     /// How everybody stands in the evacuation.
@@ -428,12 +449,13 @@ impl Shift<'_> {
         }
         if whole && !asked_to_stop {
             self.report()?;
-            let came = self.runtime.block_on(self.target.ask("GET", "/api/v1/packets", None))?;
-            let spans =
-                came.as_array().into_iter().flatten().flat_map(|tag| tag["numbers"].as_array()).flatten();
-            let length = |span: &serde_json::Value| Some(span[1].as_u64()? + 1 - span[0].as_u64()?);
-            let came: u64 = spans.filter_map(length).sum();
             let acknowledged = self.gateways.account.acknowledged.load(std::sync::atomic::Ordering::Relaxed);
+            let mut came = self.came()?;
+            // What is on the disk is taken a moment later.
+            while came < acknowledged && Instant::now() < until {
+                std::thread::sleep(LOOK);
+                came = self.came()?;
+            }
             let observations = self.observations;
             self.tell(&format!(
                 "{observations} observations in {acknowledged} packets acknowledged, {came} of them there; slowest {:.1} times real time",

@@ -230,13 +230,13 @@ impl Writer<'_> {
                 (0.0, place(panel, at_m, 0.0), errands)
             }
             Part::Intrudes => {
-                let crosscut = of_level("crosscut-1");
-                let mut errands = self.work((&crosscut, 70.0, 35.0), 0.0, times.intruder);
+                let (haulage, crosscut) = (of_level("haulage"), of_level("crosscut-1"));
+                let mut errands = self.work((&haulage, 900.0, 112.0), 0.0, times.intruder);
                 errands.push(Errand::Until { until_s: times.intruder, work: true });
                 errands.push(go(place(&of_level("magazine-way"), 6.0, 0.0)));
                 errands.push(Errand::Stand { seconds: 60.0 });
                 errands.push(go(place(&crosscut, 25.0, 0.0)));
-                (0.0, place(&crosscut, 35.0, 0.0), errands)
+                (0.0, place(&haulage, 112.0, 0.0), errands)
             }
             Part::Relief => {
                 let comes_s = times.evacuation - (450.0 * times.end / WHOLE_S) + self.between(0.0, 40.0);
@@ -258,7 +258,13 @@ impl Writer<'_> {
             let refuge = of_level(if self.between(0.0, 1.0) < 0.5 { "refuge-1-way" } else { "refuge-2-way" });
             place(&refuge, self.between(4.0, 11.0), self.between(-1.4, 1.4))
         }));
-        errands.push(Errand::Until { until_s: LONGEST_S, work: false });
+        // Whoever waits shifts from foot to foot.
+        let mut waited_s = times.evacuation;
+        while waited_s < LONGEST_S {
+            let seconds = self.between(40.0, 150.0);
+            errands.extend([Errand::Stand { seconds }, Errand::Turn { turn_rad: self.between(-2.0, 2.0) }]);
+            waited_s += seconds;
+        }
         Ok((comes_s, PersonSpec { body: Body::default(), drawn: true, start, errands }))
     }
 
@@ -292,7 +298,9 @@ impl Writer<'_> {
     fn work(&mut self, (id, length_m, at_m): (&str, f64, f64), from_s: f64, until_s: f64) -> Vec<Errand> {
         let (mut errands, mut now_s, mut here_m) = (Vec::new(), from_s, at_m);
         loop {
-            let share = self.between(0.0, 1.0);
+            // Nobody stays on one spot for long.
+            let goes = errands.len() % 3 == 0;
+            let share = if goes { 1.0 } else { self.between(0.0, 1.0) };
             let (errand, lasts_s) = if share < 0.4 {
                 let seconds = self.between(20.0, 70.0);
                 (Errand::Work { seconds }, seconds)

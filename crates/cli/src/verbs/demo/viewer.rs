@@ -70,8 +70,8 @@ pub struct Seen {
     pub raised: Vec<Raised>,
     /// Tags of which a position has come since this was emptied.
     pub found: BTreeSet<usize>,
-    /// How often the connection was lost.
-    pub lost: u32,
+    /// Time of the newest position.
+    pub newest: Option<Time>,
 }
 
 /// Somebody who watches.
@@ -101,7 +101,6 @@ impl Viewer {
                 if let Err(error) = watch(&target, &roll, &told).await {
                     tracing::debug!("{error:#}");
                 }
-                lock(&told).lost += 1;
                 tokio::time::sleep(RETRY).await;
             }
         });
@@ -150,6 +149,7 @@ fn hear(told: Told, roll: &Roll, seen: &Mutex<Seen>) {
         let right = level == moved.level.as_deref();
         seen.score.add((x - truth_m.x).hypot(y - truth_m.y), moved.radius_95_m, right);
         seen.found.insert(*wearer);
+        seen.newest = seen.newest.max(Some(time));
     }
     let Some(Happened { event, time: Some(time), alarm: Some(alarm) }) = told.body else { return };
     let (true, Ok(Timestamp(time))) = (event == "alarm-raised", time.parse()) else { return };

@@ -167,7 +167,8 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
         progress::warn(&[notice]);
     }
     let radio: Vec<_> = file.site.radio.iter().map(|path| beside(path)).collect();
-    let site = radio_site::read(Some(&mine_path), &radio)?.unwrap_or_default();
+    let mine = adit_server::with_changes(mine, &data)?;
+    let site = radio_site::of(&mine, &mine_path, &radio)?;
     let profiles = profiles(&file.profiles, &folder, &site)?;
     let shown = serde_json::to_value(&file).context("the settings cannot be shown")?;
     let snapshot_s = file.pipeline.snapshot_s;

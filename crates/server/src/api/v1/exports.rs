@@ -1,5 +1,6 @@
 //! Tracks, events and alarms as files, streamed: no more than a page of the store is held.
 
+use super::history::{ShiftPart, shifts};
 use crate::api::extract::{Caller, Query};
 use crate::api::{ApiError, Context, Timestamp};
 use crate::auth::Principal;
@@ -101,6 +102,66 @@ pub(super) async fn alarms(
     send(&context, &caller, "alarms", &wanted, format, export).await
 }
 
+/// Which shifts, in which form.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct WantedShifts {
+    /// `csv`.
+    #[param(pattern = "^csv$")]
+    format: String,
+    /// Who came out from this time on.
+    from: Timestamp,
+    /// Who came out before this time.
+    until: Timestamp,
+}
+
+/// Attendance as a file: everybody who came out in a time, and who is below now.
+#[utoipa::path(get, path = "/api/v1/export/attendance", tag = "export", params(WantedShifts),
+    responses((status = 200, description = "the file", content_type = "text/csv", body = String)))]
+pub(super) async fn attendance(
+    State(context): State<Arc<Context>>,
+    caller: Caller,
+    Query(wanted): Query<WantedShifts>,
+) -> Result<Response, ApiError> {
+    if wanted.format != Format::Csv.name() {
+        return Err(ApiError::invalid(format!("format: expected csv, found {:?}", wanted.format)));
+    }
+    let part = ShiftPart { from: wanted.from, until: wanted.until };
+    let shifts = shifts(&context, &part).await?;
+    let mut file = csv::Writer::from_writer(Vec::new());
+    let head = ["person", "name", "team", "tag", "went_below_utc", "came_out_utc", "hours"];
+    let mut written = file.write_record(head);
+    {
+        let tracking = context.tracking();
+        for shift in shifts {
+            let person = shift.person.as_ref().and_then(|id| tracking.person(id)).map(|view| view.person);
+            let (name, team) = person.map_or_else(Default::default, |p| (p.name, p.team.unwrap_or_default()));
+            written = written.and_then(|()| {
+                file.write_record([
+                    shift.person.unwrap_or_default(),
+                    name,
+                    team,
+                    shift.tag.unwrap_or_default(),
+                    shift.went_below.to_string(),
+                    shift.came_out.map(|time| time.to_string()).unwrap_or_default(),
+                    format!("{:.3}", shift.hours),
+                ])
+            });
+        }
+    }
+    written.map_err(|error| ApiError::internal(&error))?;
+    let bytes = file.into_inner().map_err(|error| ApiError::internal(error.error()))?;
+    let detail = json!({ "from": wanted.from, "until": wanted.until, "format": wanted.format });
+    context.audit(&caller, "export.attendance", "done", detail).await?;
+    Ok((headers("attendance", Format::Csv), bytes).into_response())
+}
+
+fn headers(what: &str, format: Format) -> [(header::HeaderName, String); 2] {
+    let name = format!("attachment; filename=\"{what}.{}\"", format.name());
+    [(header::CONTENT_TYPE, format.media_type().to_owned()), (header::CONTENT_DISPOSITION, name)]
+}
+
 /// The first bytes are made before the answer begins: what fails at once is told as such. What fails later breaks the connection.
 async fn send<T: Exported>(
     context: &Context,
@@ -134,8 +195,5 @@ where
             }
         }
     });
-    let name = format!("attachment; filename=\"{what}.{}\"", format.name());
-    let headers =
-        [(header::CONTENT_TYPE, format.media_type().to_owned()), (header::CONTENT_DISPOSITION, name)];
-    Ok((headers, Body::from_stream(rest)).into_response())
+    Ok((headers(what, format), Body::from_stream(rest)).into_response())
 }

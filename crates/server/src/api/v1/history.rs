@@ -101,7 +101,7 @@ async fn track(context: &Context, of: TrackOf, part: &TrackPart) -> Result<axum:
     Ok(axum::Json(Track { fixes: fixes.collect(), of: drawn.of, error_m: drawn.error_m }))
 }
 
-fn in_order(from: Option<Timestamp>, until: Option<Timestamp>) -> Result<(), ApiError> {
+pub(super) fn in_order(from: Option<Timestamp>, until: Option<Timestamp>) -> Result<(), ApiError> {
     match (from, until) {
         (Some(from), Some(until)) if until < from => {
             Err(ApiError::invalid(format!("until: expected a time after {from}, found {until}")))
@@ -279,20 +279,20 @@ pub(super) async fn audit(
 #[into_params(parameter_in = Query)]
 pub(super) struct ShiftPart {
     /// Who came out from this time on.
-    from: Timestamp,
+    pub from: Timestamp,
     /// Who came out before this time.
-    until: Timestamp,
+    pub until: Timestamp,
 }
 
 /// A shift of somebody.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Shift {
-    person: Option<String>,
-    tag: Option<String>,
-    went_below: Timestamp,
+    pub person: Option<String>,
+    pub tag: Option<String>,
+    pub went_below: Timestamp,
     /// Null for who is below.
-    came_out: Option<Timestamp>,
-    hours: f64,
+    pub came_out: Option<Timestamp>,
+    pub hours: f64,
 }
 
 /// Attendance: everybody who came out in a time, and who is below now.
@@ -302,6 +302,11 @@ pub(super) async fn attendance(
     State(context): State<Arc<Context>>,
     Query(part): Query<ShiftPart>,
 ) -> Result<axum::Json<Vec<Shift>>, ApiError> {
+    shifts(&context, &part).await.map(axum::Json)
+}
+
+/// Everybody who came out in a time, and who is below now.
+pub(super) async fn shifts(context: &Context, part: &ShiftPart) -> Result<Vec<Shift>, ApiError> {
     in_order(Some(part.from), Some(part.until))?;
     let mut shifts: Vec<Shift> = {
         let tracking = context.tracking();
@@ -335,7 +340,7 @@ pub(super) async fn attendance(
             break;
         }
     }
-    Ok(axum::Json(shifts))
+    Ok(shifts)
 }
 
 fn shift(person: Option<String>, tag: Option<String>, since: Time, out: Option<Time>, until: Time) -> Shift {

@@ -1,6 +1,7 @@
 //! adit's own API: everything that omlox has no word for, and the console's needs.
 
 mod alarms;
+mod anchors;
 mod audit;
 mod backups;
 mod clock;
@@ -9,6 +10,7 @@ mod following;
 mod history;
 mod live_socket;
 pub(super) mod people;
+mod replay;
 mod rules;
 mod session;
 mod site;
@@ -32,12 +34,14 @@ pub(super) fn mount(routes: Routes) -> Routes {
     routes
         .needs(Permission::SeeHistory, routes!(history::track_of_person))
         .needs(Permission::SeeHistory, routes!(history::track_of_tag))
+        .needs(Permission::SeeHistory, routes!(replay::positions))
         .needs(Permission::SeeHistory, routes!(history::events))
         .needs(Permission::SeeHistory, routes!(history::alarms))
         .needs(Permission::SeeHistory, routes!(history::attendance))
         .needs(Permission::Export, routes!(exports::tracks))
         .needs(Permission::Export, routes!(exports::events))
         .needs(Permission::Export, routes!(exports::alarms))
+        .needs(Permission::Export, routes!(exports::attendance))
         .needs(Permission::SeeAudit, routes!(history::audit))
         .needs(Permission::SeeAudit, routes!(audit::verification))
         .needs(Permission::SeeLive, routes!(rules::show))
@@ -101,6 +105,8 @@ fn live(routes: Routes) -> Routes {
         .needs(Permission::EndEvacuation, routes!(alarms::stop))
         .needs(Permission::SeeLive, routes!(site::plan))
         .needs(Permission::SeeLive, routes!(site::plan_geojson))
+        .needs(Permission::SeeLive, routes!(anchors::list))
+        .needs(Permission::ManageZones, routes!(anchors::put, anchors::remove))
 }
 
 /// What is changed has the id that the path says.
