@@ -106,6 +106,7 @@ libtest train cargo test --locked -p adit-nlos --features train --tests --no-fai
 libtest doc-tests cargo test --locked --workspace --doc --no-fail-fast
 check docs env RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --quiet
 check no-std proofs/no-std/check.sh "estimation mine"
+check console-tests ci/console.sh --check
 if command -v python3 >/dev/null; then
     check schemathesis ci/schemathesis.sh
 else

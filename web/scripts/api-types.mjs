@@ -13,7 +13,8 @@ const head = "// Made by `npm run api-types` of the server's /api/v1/openapi.jso
 const { components, info, openapi } = await answer.json();
 const text = head + astToString(await openapiTS({ components, info, openapi, paths: {} }));
 if (process.argv.includes("--check")) {
-  if (readFileSync(file, "utf8") !== text) throw new Error("src/api/schema.d.ts is not of this server: npm run api-types");
+  if (readFileSync(file, "utf8") !== text)
+    throw new Error("src/api/schema.d.ts is not of this server: npm run api-types");
   console.log("src/api/schema.d.ts is that of the server");
 } else {
   writeFileSync(file, text);

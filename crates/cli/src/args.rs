@@ -7,6 +7,7 @@ pub mod mine;
 mod nlos;
 mod radio;
 mod range;
+mod replay;
 mod serve;
 mod store;
 mod tune;
@@ -17,6 +18,7 @@ pub use load::LoadArgs;
 pub use nlos::{NlosArgs, NlosEvalArgs, NlosTrainArgs, NlosVerb};
 pub use radio::{CalibrateFingerprintArgs, CalibratePathlossArgs, LeaveOut, RadioArgs};
 pub use range::CalibrateRangeArgs;
+pub use replay::ReplayArgs;
 pub use serve::ServeArgs;
 pub use store::{AuditArgs, AuditVerb, AuditVerifyArgs, Exported, StoreArgs, StoreExportArgs, StoreVerb};
 pub use tune::{OptimiserName, TuneArgs};
@@ -167,6 +169,8 @@ pub enum Verb {
     Audit(AuditArgs),
     /// Load a server with simulated tags and tell what came of what was sent
     Load(LoadArgs),
+    /// Send a recorded log to a server, as a gateway would
+    Replay(ReplayArgs),
 }
 
 /// `adit demo`.

@@ -21,14 +21,18 @@ mod suite_file;
 mod truth_beside;
 mod verbs;
 
+use mimalloc::MiMalloc;
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let args = match args::Adit::from_command_line() {
         Ok(args) => args,
         Err(error) => return failure::usage(&error),
     };
-    progress::trace(args.verbose);
+    progress::trace(args.verbose, matches!(args.verb, args::Verb::Serve(_)));
     match interrupt::install().and_then(|()| verbs::run(&args.verb)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => failure::work(&error),

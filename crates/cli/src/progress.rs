@@ -5,9 +5,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, IsTerminal};
 use tracing::level_filters::LevelFilter;
 
-/// Sends traces to stderr: nothing, what is done (`-v`), details (`-vv`).
-pub fn trace(verbosity: u8) {
+/// Sends traces to stderr: nothing (warnings where it `serves`), what is done (`-v`), details (`-vv`).
+pub fn trace(verbosity: u8, serves: bool) {
     let level = match verbosity {
+        0 if serves => LevelFilter::WARN,
         0 => return,
         1 => LevelFilter::INFO,
         2 => LevelFilter::DEBUG,

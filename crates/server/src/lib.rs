@@ -13,6 +13,7 @@ mod lock;
 pub mod pipeline;
 mod plan_changes;
 mod run;
+mod seldom;
 mod server;
 pub mod store;
 mod writer;

@@ -21,6 +21,8 @@ use tokio::time::Instant;
 pub const MOST_FIXES: usize = 1_000_000;
 /// Before a store that failed is tried again: doubled each time, up to the second.
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
+/// At most so often is anything written: each time waits for the disk, for which the journal waits too.
+const PAUSE: Duration = Duration::from_millis(250);
 /// Tracks are packed this often, and what is too old is deleted.
 const MAINTENANCE: Duration = Duration::from_mins(1);
 
@@ -34,8 +36,10 @@ pub async fn write(
     health: Arc<Health>,
     mut outcomes: mpsc::UnboundedReceiver<RoundOutcome>,
 ) {
-    let mut desk = Desk { store, mine, waiting: VecDeque::new(), fixes: 0, retry: RETRY.0, stored };
+    let (waiting, unplaced) = (VecDeque::new(), Vec::new());
+    let mut desk = Desk { store, mine, waiting, unplaced, fixes: 0, retry: RETRY.0, stored };
     let mut maintenance = Instant::now() + MAINTENANCE;
+    let mut upkeep = tokio::spawn(async {});
     let mut open = true;
     while open || !desk.waiting.is_empty() {
         if desk.waiting.is_empty() {
@@ -49,13 +53,14 @@ pub async fn write(
         while let Ok(outcome) = outcomes.try_recv() {
             desk.add(&outcome);
         }
+        let writes = !desk.waiting.is_empty();
         if let Err(error) = desk.commit().await {
             metrics::counter!("adit_store_failures_total").increment(1);
             tracing::warn!("{error}; {} rounds wait", desk.waiting.len());
             health.tell(Part::Store, Err(error.to_string()));
             if !open {
                 // What waits is in the journal, and is written at the next start.
-                return;
+                break;
             }
             tokio::time::sleep(desk.retry).await;
             desk.retry = (2 * desk.retry).min(RETRY.1);
@@ -64,9 +69,25 @@ pub async fn write(
         desk.retry = RETRY.0;
         health.tell(Part::Store, Ok(()));
         if Instant::now() >= maintenance {
-            desk.maintain(now(), &retention).await;
+            if upkeep.is_finished() {
+                upkeep = tokio::spawn(maintain(desk.store.clone(), now(), retention));
+            }
             maintenance = Instant::now() + MAINTENANCE;
         }
+        if writes && open {
+            tokio::time::sleep(PAUSE).await;
+        }
+    }
+    upkeep.abort();
+}
+
+/// Packs tracks and deletes what is too old; what is cut off by the end of the server is done by the next.
+async fn maintain(store: Store, now: Time, retention: Retention) {
+    if let Err(error) = store.compact(now).await {
+        tracing::warn!("{error}");
+    }
+    if let Err(error) = store.retain(now, &retention).await {
+        tracing::warn!("{error}");
     }
 }
 
@@ -74,6 +95,8 @@ struct Desk {
     store: Store,
     mine: Arc<Mine>,
     waiting: VecDeque<Round>,
+    /// Of rounds that the journal does not have.
+    unplaced: Vec<Record>,
     fixes: usize,
     retry: Duration,
     stored: Arc<AtomicU64>,
@@ -81,14 +104,23 @@ struct Desk {
 
 impl Desk {
     fn add(&mut self, outcome: &RoundOutcome) {
-        // What the journal does not have comes again; it is written then.
-        let Some(position) = outcome.position else { return };
-        let mut records: Vec<_> = outcome.fixes.iter().map(|fix| Record::Fix(self.fix(fix))).collect();
-        self.fixes += records.len();
+        let mut records = std::mem::take(&mut self.unplaced);
+        records.extend(outcome.fixes.iter().map(|fix| Record::Fix(self.fix(fix))));
         for event in &outcome.events {
             records.extend(alarm(event).map(Record::Alarm));
             records.push(Record::Event(happened(event)));
         }
+        let fixes = records.iter().filter(|record| matches!(record, Record::Fix(_))).count();
+        // What the journal could not take was live all the same: it goes with the next round that has a place.
+        let Some(position) = outcome.position else {
+            if fixes > MOST_FIXES {
+                metrics::counter!("adit_fixes_given_up_total").increment(fixes as u64);
+                records.retain(|record| !matches!(record, Record::Fix(_)));
+            }
+            self.unplaced = records;
+            return;
+        };
+        self.fixes += fixes;
         self.waiting.push_back(Round { position, records });
         if self.fixes > MOST_FIXES {
             self.give_up();
@@ -121,15 +153,6 @@ impl Desk {
         self.waiting.clear();
         self.fixes = 0;
         Ok(())
-    }
-
-    async fn maintain(&self, now: Time, retention: &Retention) {
-        if let Err(error) = self.store.compact(now).await {
-            tracing::warn!("{error}");
-        }
-        if let Err(error) = self.store.retain(now, retention).await {
-            tracing::warn!("{error}");
-        }
     }
 
     fn fix(&self, tracked: &TrackedFix) -> FixRecord {

@@ -57,6 +57,14 @@ export interface Anchor {
   position_m: Point3;
   level?: string | null;
 }
+/** `GET /api/v1/mine/anchors`: the plan's anchors with what was changed; `position_m` is null where one is taken away. */
+export interface AnchorChange {
+  id: string;
+  name?: string | null;
+  position_m: Point3 | null;
+  position_now_m?: Point3 | null;
+  in_force: string;
+}
 export interface AccessPoint {
   id: string;
   radio?: string | null;

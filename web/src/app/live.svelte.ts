@@ -1,6 +1,6 @@
 /** The live state for views: `LiveState` and its socket, with revisions that runes see. */
 import { api } from "../api/client";
-import type { Evacuation, Headcount, LiveMessage, Mine, PersonNow, TagNow, ZoneNow } from "../api/types";
+import type { Evacuation, Headcount, Live, LiveMessage, Mine, PersonNow, TagNow, ZoneNow } from "../api/types";
 import { LiveSocket, type Link } from "../live/socket";
 import { LiveState, byUrgency } from "../live/state";
 import { refresh } from "./session.svelte";
@@ -51,7 +51,8 @@ export const live = {
   /** The server's time, once a second. */
   get now(): number {
     void revision.second;
-    return state.clock.now();
+    void revision.people;
+    return state.clock.known ? state.clock.now() : 0;
   },
 };
 
@@ -83,7 +84,6 @@ function seldom(ms: number, then: () => void): () => void {
 const peopleSeldom = seldom(LISTS_MS, () => (revision.people += 1));
 const countSeldom = seldom(COUNTS_MS, () => void count());
 const namesSeldom = seldom(500, () => void loadNames());
-const zonesSeldom = seldom(COUNTS_MS, () => void loadZones());
 
 async function quietly(work: () => Promise<void>): Promise<void> {
   try {
@@ -119,6 +119,16 @@ export function loadNames(): Promise<void> {
   });
 }
 
+/** Positions come when somebody moves; who rests, and how circles grow, is asked for. A crowd is asked for less often. */
+let askedAt = 0;
+async function refreshQuiet(): Promise<void> {
+  const every = state.subjects.size > 500 ? 10_000 : 3000;
+  state.patienceMs = 1.6 * every * state.clock.speed;
+  if (performance.now() - askedAt < every || !state.quietFor(2500 * state.clock.speed)) return;
+  askedAt = performance.now();
+  await quietly(async () => state.refresh(await api.get<Live[]>("/api/v1/live")));
+}
+
 /** Kinds of tags that nobody wears: a vehicle is drawn as one. */
 export async function loadTags(): Promise<TagNow[]> {
   return api.get<TagNow[]>("/api/v1/tags");
@@ -127,8 +137,7 @@ export async function loadTags(): Promise<TagNow[]> {
 /** People who were seen without a name are asked for once. */
 const asked = new Set<string>();
 function strangers(message: LiveMessage): void {
-  const seen =
-    message.type === "positions" ? message.positions : message.type === "snapshot" ? message.live : [];
+  const seen = message.type === "positions" ? message.positions : message.type === "snapshot" ? message.live : [];
   for (const { person } of seen) {
     if (person == null || state.knows(person) || asked.has(person)) continue;
     asked.add(person);
@@ -150,7 +159,6 @@ export function start(): () => void {
     if (change === "event") {
       revision.events += 1;
       if (event && LiveState.counts(event)) countSeldom();
-      if (event?.event === "zone-entered" || event?.event === "zone-left") zonesSeldom();
       if (event?.event === "evacuation-started") void loadEvacuation();
     }
   });
@@ -174,7 +182,10 @@ export function start(): () => void {
   const seconds = setInterval(() => {
     revision.second += 1;
     if (state.evacuation && revision.second % 2 === 0) void loadEvacuation();
+    void refreshQuiet();
     if (revision.second % 15 === 0) countSeldom();
+    // Others may draw zones too, and nothing tells of it.
+    if (revision.second % 30 === 0) void loadZones();
   }, 1000);
   void loadMine();
   void loadNames();

@@ -3,7 +3,11 @@ export interface Route {
   view: string;
   id: string | null;
   query: Record<string, string>;
+  /** Counted up with every step by a link; not by `note`. */
+  visit: number;
 }
+
+let visits = 0;
 
 function parse(hash: string): Route {
   const [path = "", search = ""] = hash.replace(/^#\/?/, "").split("?");
@@ -12,6 +16,7 @@ function parse(hash: string): Route {
     view: view || "map",
     id: id ? decodeURIComponent(id) : null,
     query: Object.fromEntries(new URLSearchParams(search)),
+    visit: (visits += 1),
   };
 }
 

@@ -19,7 +19,9 @@ export function toQuery({ level, spot, selected }: Place): Record<string, string
 export function fromQuery(query: Record<string, string>): Place | null {
   if (query["level"] === undefined) return null;
   const [east, north, zoom] = (query["at"] ?? "").split(",").map(Number);
-  const spot = [east, north, zoom].every((part) => Number.isFinite(part)) ? { east: east!, north: north!, zoom: zoom! } : null;
+  const spot = [east, north, zoom].every((part) => Number.isFinite(part))
+    ? { east: east!, north: north!, zoom: zoom! }
+    : null;
   return { level: query["level"] === "all" ? null : query["level"], spot, selected: query["who"] ?? null };
 }
 
@@ -33,7 +35,10 @@ export function keep(mine: string, place: Place): void {
 
 export function kept(mine: string): Place | null {
   try {
-    const stored = JSON.parse(localStorage.getItem(KEY) ?? "null") as { mine: string; query: Record<string, string> } | null;
+    const stored = JSON.parse(localStorage.getItem(KEY) ?? "null") as {
+      mine: string;
+      query: Record<string, string>;
+    } | null;
     return stored?.mine === mine ? fromQuery(stored.query) : null;
   } catch {
     return null;

@@ -1,5 +1,5 @@
 /** What the console knows of the mine now: kept from the messages of the live socket, in order. No framework, no DOM. */
-import type { Alarm, ApiEvent, Evacuation, Headcount, LiveMessage } from "../api/types";
+import type { Alarm, ApiEvent, Evacuation, Headcount, Live, LiveMessage } from "../api/types";
 import { ServerClock } from "./clock";
 import { Subject, keyOf } from "./subject";
 
@@ -72,6 +72,23 @@ export class LiveState {
 
   knows(person: string): boolean {
     return this.#names.has(person);
+  }
+
+  /** How long a circle stands as the server told it, ms of its time: longer than it is asked anew. */
+  patienceMs = 5000;
+
+  /** Everybody as the server knows them now: who rests, how far circles have grown. Who is gone is told by events. */
+  refresh(live: Live[]): void {
+    const wall = this.wall();
+    for (const one of live) this.subjects.get(keyOf(one.person, one.tag))?.take(one, wall);
+    this.#tell("positions");
+  }
+
+  /** Whether somebody has no new fix for so long, ms of the server's time. */
+  quietFor(ms: number): boolean {
+    const since = this.clock.now() - ms;
+    for (const subject of this.subjects.values()) if (subject.fixMs < since) return true;
+    return false;
   }
 
   setHeadcount(headcount: Headcount): void {

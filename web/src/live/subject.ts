@@ -24,7 +24,9 @@ export class Subject extends Walker {
   possibleZones: string[] = [];
   protectionLevel = 0;
   speed = 0;
-  growth = GROWTH_M_S;
+  /** Radius that the server told last, and of when: it knows who rests, and does not let their circles grow. */
+  #radius = 0;
+  #radiusMs = 0;
   hasPosition = false;
 
   /** All of it, as a snapshot has it. */
@@ -39,7 +41,10 @@ export class Subject extends Walker {
     this.heardMs = live.last_heard ? Date.parse(live.last_heard) : 0;
     this.gateway = live.gateway ?? null;
     this.motion = live.motion?.motion ?? null;
-    if (live.last_known) this.move(live.last_known, wall);
+    if (!live.last_known) return;
+    this.move(live.last_known, wall);
+    this.#radius = live.last_known.radius_now_m;
+    this.#radiusMs = this.fixMs + live.last_known.age_s * 1000;
   }
 
   move(where: Where, wall: number): void {
@@ -52,11 +57,11 @@ export class Subject extends Walker {
     this.radius95 = where.radius_95_m;
     this.protectionLevel = where.protection_level_m;
     this.height = where.position_m[2]!;
-    const [east, north] = where.velocity_m_s ?? this.#between(where.position_m, timeMs);
-    this.speed = Math.hypot(east!, north!);
+    const [east = 0, north = 0] = where.velocity_m_s ?? this.#between(where.position_m, timeMs);
+    this.speed = Math.hypot(east, north);
     this.heading = this.speed > HEADING_FROM_M_S ? Math.atan2(east, north) : null;
-    if (where.age_s > 5) this.growth = Math.max(0, (where.radius_now_m - where.radius_95_m) / where.age_s);
-    else this.growth = this.motion === "still" ? 0 : GROWTH_M_S;
+    this.#radius = where.radius_95_m;
+    this.#radiusMs = timeMs;
     this.heardMs = Math.max(this.heardMs, timeMs);
     this.inContact = this.inContact || where.age_s < 5;
     this.hasPosition = true;
@@ -71,9 +76,11 @@ export class Subject extends Walker {
     return [(position[0]! - east) / seconds, (position[1]! - north) / seconds];
   }
 
-  /** Radius that holds them at a moment of the server, m. */
-  radiusAt(nowMs: number): number {
-    return this.radius95 + this.growth * Math.max(0, (nowMs - this.fixMs) / 1000);
+  /** Radius that holds them at a moment of the server, m: what it told, grown where it has not told for longer than `patienceMs`. */
+  radiusAt(nowMs: number, patienceMs: number): number {
+    const silentMs = nowMs - this.#radiusMs;
+    if (silentMs <= patienceMs || this.motion === "still") return this.#radius;
+    return this.#radius + (GROWTH_M_S * silentMs) / 1000;
   }
 
   ageS(nowMs: number): number {

@@ -4,9 +4,6 @@ import { Subject } from "../live/subject";
 import type { Walker } from "../live/walker";
 import type { PeopleSource } from "./people-layer";
 
-/** A circle does not breathe between two fixes: it grows from this age on, ms. */
-const CALM_MS = 2500;
-
 export class LiveSource implements PeopleSource {
   constructor(private readonly state: LiveState) {}
 
@@ -19,6 +16,6 @@ export class LiveSource implements PeopleSource {
   }
 
   radius(walker: Walker, nowMs: number): number {
-    return walker instanceof Subject && nowMs - walker.fixMs > CALM_MS ? walker.radiusAt(nowMs) : walker.radius95;
+    return walker instanceof Subject ? walker.radiusAt(nowMs, this.state.patienceMs) : walker.radius95;
   }
 }

@@ -31,7 +31,11 @@ export class MineMap {
     element: HTMLElement,
     mine: Mine,
     source: PeopleSource,
-    private readonly does: { select?: (key: string | null) => void; moved?: (spot: Spot) => void; scale?: (pixelsPerMetre: number) => void },
+    private readonly does: {
+      select?: (key: string | null) => void;
+      moved?: (spot: Spot) => void;
+      scale?: (pixelsPerMetre: number) => void;
+    },
   ) {
     this.#projection = new Projection({ code: `mine:${mine.name}`, units: "m" });
     this.people = new PeopleLayer(source);
@@ -86,7 +90,7 @@ export class MineMap {
     const [width, height] = this.map.getSize() ?? [800, 600];
     const pad = Math.min(60, width! / 10, height! / 10);
     this.map.getView().fit([bounds.west, bounds.south, bounds.east, bounds.north], {
-      padding: [pad, pad, pad, pad],
+      padding: [height! > 500 ? pad + 44 : pad, pad, pad, pad],
       minResolution: 0.12,
       duration: animate ? 250 : 0,
     });
@@ -144,7 +148,8 @@ export function sheetBounds(mine: Mine, stack: Stack, level: string | null): Bou
   for (const road of mine.roadways) {
     if (level !== null && road.level !== level) continue;
     const shift = stack.shiftOf(road.level);
-    for (const [x, y, h] of road.points_m) points.push([x, y + (road.level == null ? stack.shiftOf(null, h) : shift), h]);
+    for (const [x, y, h] of road.points_m)
+      points.push([x, y + (road.level == null ? stack.shiftOf(null, h) : shift), h]);
   }
   for (const zone of mine.zones ?? []) {
     if (level !== null && zone.level !== level) continue;

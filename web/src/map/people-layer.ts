@@ -1,13 +1,14 @@
 /**
- * People on a canvas of their own: one pass for all, at the pace of the screen, without drawing the mine again. Ten thousand dots are sprites
- * that were drawn once.
+ * People on a canvas of their own: one pass for all, at the pace of the screen, without drawing the mine again. Dots are sprites
+ * that were drawn once; those of a crowd are written as pixels.
  */
 import Layer from "ol/layer/Layer";
 import type { FrameState } from "ol/Map";
-import type { Quality } from "../api/types";
 import type { Walker } from "../live/walker";
 import type { Palette } from "./palette";
+import { CrowdBitmap } from "./crowd-bitmap";
 import { Sheet, type View } from "./sheet";
+import { Sprites, colourOf } from "./sprites";
 import type { Stack } from "./stack";
 
 /** Draws at most so often, ms: people walk. */
@@ -18,7 +19,10 @@ const FADE_TO_S = 120;
 const FAINT = 0.4;
 /** Names and circles of so many at most. */
 const NAMES = 120;
+const NAMES_IN_A_CROWD = 25;
 const CIRCLES = 600;
+/** From so many on dots are pixels. */
+const CROWD = 1200;
 const TRAILS = 150;
 
 export interface PeopleLook {
@@ -51,11 +55,12 @@ interface Shown {
 export class PeopleLayer extends Layer {
   readonly #sheet = new Sheet("people");
   #look: PeopleLook | null = null;
-  #sprites = new Map<string, HTMLCanvasElement>();
-  #spritesOf: Palette | null = null;
+  #sprites: Sprites | null = null;
+  readonly #crowd = new CrowdBitmap();
   #running = 0;
   #drawn = 0;
   #stale = true;
+  #lastCost = 0;
   /** Of the last frames, ms: how long drawing took. For the tests. */
   readonly cost: number[] = [];
   #list: Shown[] = [];
@@ -67,8 +72,7 @@ export class PeopleLayer extends Layer {
   }
 
   show(look: PeopleLook): void {
-    if (look.palette !== this.#spritesOf) this.#sprites.clear();
-    this.#spritesOf = look.palette;
+    if (look.palette !== this.#look?.palette) this.#sprites = null;
     this.#look = look;
     this.#stale = true;
   }
@@ -77,7 +81,8 @@ export class PeopleLayer extends Layer {
     const frame = () => {
       this.#running = requestAnimationFrame(frame);
       const wall = performance.now();
-      if (wall - this.#drawn < FRAME_MS) return;
+      // Half of the time is for everything else, however many there are to draw.
+      if (wall - this.#drawn < Math.max(FRAME_MS, 2 * this.#lastCost)) return;
       if (this.#advance(wall) || this.#stale || wall - this.#drawn > 1000) {
         this.beforeFrame?.();
         this.#draw(wall);
@@ -110,6 +115,11 @@ export class PeopleLayer extends Layer {
     return nearest;
   }
 
+  /** Who is drawn now. */
+  *shown(): Iterable<Walker> {
+    for (const { walker } of this.#list) yield walker;
+  }
+
   #advance(wall: number): boolean {
     let moved = false;
     for (const walker of this.source.walkers()) if (walker.advance(wall)) moved = true;
@@ -140,29 +150,50 @@ export class PeopleLayer extends Layer {
       if (own) chosen = shown;
     }
     this.#list = list;
+    const crowd = list.length > CROWD;
+    if (!this.#sprites || this.#sprites.ratio !== view.ratio) this.#sprites = new Sprites(look.palette, view.ratio);
+    if (crowd) this.#pixels(context, view, list, this.#sprites);
     if (look.circles) circles(context, look, list);
     if (look.trails) trails(context, view, look, list, nowMs);
     if (chosen) spotlight(context, view, look, chosen, nowMs);
-    this.#dots(context, view, look, list);
+    this.#dots(
+      context,
+      view,
+      look,
+      crowd ? list.filter(({ walker }) => walker.trouble !== "none") : list,
+      this.#sprites,
+    );
     if (look.names) names(context, view, look, list, chosen);
     if (this.cost.length > 600) this.cost.splice(0, 300);
-    this.cost.push(performance.now() - wall);
+    this.#lastCost = performance.now() - wall;
+    this.cost.push(this.#lastCost);
   }
 
-  #dots(context: CanvasRenderingContext2D, view: View, look: PeopleLook, list: Shown[]): void {
-    const size = list.length > 3000 ? 3 : view.scale < 0.5 && list.length > 600 ? 3.6 : 5.2;
+  /** Everybody in a crowd who has no trouble. */
+  #pixels(context: CanvasRenderingContext2D, view: View, list: Shown[], sprites: Sprites): void {
+    const size = list.length > 3000 ? 3 : 3.6;
+    const { ratio } = view;
+    this.#crowd.begin(context.canvas.width, context.canvas.height);
+    for (const { walker, x, y, alpha } of list) {
+      if (walker.trouble === "none") this.#crowd.put(sprites.stamp(walker, size, alpha < 0.8), x * ratio, y * ratio);
+    }
+    this.#crowd.end(context);
+  }
+
+  #dots(context: CanvasRenderingContext2D, view: View, look: PeopleLook, list: Shown[], sprites: Sprites): void {
+    const size = view.scale < 0.5 && list.length > 600 ? 3.6 : 5.2;
     const order = (shown: Shown) => (shown.walker.trouble === "urgent" ? 2 : shown.walker.trouble === "known" ? 1 : 0);
     const troubled: Shown[] = [];
     for (const shown of list) {
       if (order(shown) > 0) troubled.push(shown);
-      else this.#dot(context, view, look, shown, size);
+      else this.#dot(context, look, shown, size, sprites);
     }
     troubled.sort((a, b) => order(a) - order(b));
-    for (const shown of troubled) this.#dot(context, view, look, shown, size);
+    for (const shown of troubled) this.#dot(context, look, shown, size, sprites);
     context.globalAlpha = 1;
   }
 
-  #dot(context: CanvasRenderingContext2D, view: View, look: PeopleLook, shown: Shown, size: number): void {
+  #dot(context: CanvasRenderingContext2D, look: PeopleLook, shown: Shown, size: number, sprites: Sprites): void {
     const { walker, x, y, alpha } = shown;
     context.globalAlpha = alpha;
     if (walker.heading !== null && size > 4) {
@@ -174,73 +205,10 @@ export class PeopleLayer extends Layer {
       context.lineTo(x + dy * 4 + dx * (size - 0.5), y - dx * 4 + dy * (size - 0.5));
       context.fill();
     }
-    const sprite = this.#sprite(look.palette, walker, walker.inContact, size, view.ratio);
-    const half = sprite.width / view.ratio / 2;
+    const sprite = sprites.of(walker, size);
+    const half = sprite.width / sprites.ratio / 2;
     context.drawImage(sprite, x - half, y - half, half * 2, half * 2);
   }
-
-  /** Filled: measured. Half: reckoned. Hollow: lost or not heard. Square: a vehicle. A triangle above: an alarm. */
-  #sprite(palette: Palette, walker: Walker, heard: boolean, size: number, ratio: number): HTMLCanvasElement {
-    const key = `${walker.quality} ${walker.kind} ${walker.trouble} ${heard ? 1 : 0} ${size} ${ratio}`;
-    const made = this.#sprites.get(key);
-    if (made) return made;
-    const sprite = document.createElement("canvas");
-    const half = size + 13;
-    sprite.width = sprite.height = Math.ceil(half * 2 * ratio);
-    const pen = sprite.getContext("2d")!;
-    pen.scale(ratio, ratio);
-    pen.translate(half, half);
-    const colour = colourOf(palette, walker.quality);
-    if (walker.trouble !== "none") {
-      const warning = walker.trouble === "urgent" ? palette.danger : palette.high;
-      pen.strokeStyle = warning;
-      pen.lineWidth = 2.2;
-      pen.beginPath();
-      pen.arc(0, 0, size + 4, 0, 2 * Math.PI);
-      pen.stroke();
-      pen.fillStyle = warning;
-      pen.beginPath();
-      pen.moveTo(size + 5, -size - 12);
-      pen.lineTo(size + 11, -size - 1.5);
-      pen.lineTo(size - 1, -size - 1.5);
-      pen.fill();
-      pen.fillStyle = palette.ground;
-      pen.fillRect(size + 4.2, -size - 8.6, 1.7, 3.8);
-      pen.fillRect(size + 4.2, -size - 4, 1.7, 1.5);
-    }
-    const outline = () => {
-      pen.beginPath();
-      if (walker.kind === "person") pen.arc(0, 0, size, 0, 2 * Math.PI);
-      else pen.rect(-size, -size, 2 * size, 2 * size);
-    };
-    outline();
-    pen.fillStyle = palette.ground;
-    pen.fill();
-    pen.lineWidth = size > 4 ? 2 : 1.2;
-    pen.strokeStyle = heard ? colour : palette.muted;
-    if (!heard) pen.setLineDash([2.2, 2]);
-    if (heard && walker.quality === "fixed") {
-      pen.fillStyle = colour;
-      pen.fill();
-      pen.strokeStyle = palette.ground;
-      pen.lineWidth = 1;
-    } else if (heard && walker.quality === "dead-reckoning") {
-      pen.save();
-      outline();
-      pen.clip();
-      pen.fillStyle = colour;
-      pen.fillRect(-size, 0, 2 * size, size);
-      pen.restore();
-      outline();
-    }
-    pen.stroke();
-    this.#sprites.set(key, sprite);
-    return sprite;
-  }
-}
-
-export function colourOf(palette: Palette, quality: Quality): string {
-  return quality === "fixed" ? palette.fixed : quality === "dead-reckoning" ? palette.reckoned : palette.lost;
 }
 
 /** One path for all of a quality. */
@@ -270,7 +238,13 @@ function trails(context: CanvasRenderingContext2D, view: View, look: PeopleLook,
   context.globalAlpha = 1;
 }
 
-function trail(context: CanvasRenderingContext2D, view: View, look: PeopleLook, { walker, x, y }: Shown, sinceMs: number): void {
+function trail(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PeopleLook,
+  { walker, x, y }: Shown,
+  sinceMs: number,
+): void {
   const shift = look.stack.shiftOf(walker.level, walker.height);
   context.strokeStyle = colourOf(look.palette, walker.quality);
   context.beginPath();
@@ -314,10 +288,17 @@ function spotlight(context: CanvasRenderingContext2D, view: View, look: PeopleLo
 }
 
 /** Names where there is room: a name is left out that would lie over another. */
-function names(context: CanvasRenderingContext2D, view: View, look: PeopleLook, list: Shown[], chosen: Shown | null): void {
+function names(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PeopleLook,
+  list: Shown[],
+  chosen: Shown | null,
+): void {
   const urgent = list.filter((shown) => shown.walker.trouble === "urgent");
   const candidates = view.scale > 1.2 && list.length < 1500 ? list : urgent;
   const taken = new Set<number>();
+  const most = list.length > 1500 ? NAMES_IN_A_CROWD : NAMES;
   let written = 0;
   context.font = `500 12px ${look.palette.font}`;
   context.textAlign = "left";
@@ -327,10 +308,10 @@ function names(context: CanvasRenderingContext2D, view: View, look: PeopleLook, 
   context.strokeStyle = look.palette.ground;
   const write = ({ walker, x, y, alpha }: Shown, always: boolean) => {
     const cells = Math.ceil((walker.name.length * 7 + 14) / 24);
-    const [column, row] = [Math.floor(x / 24), Math.floor(y / 16)];
-    const key = (cell: number) => row * 4096 + column + cell;
-    if (!always) for (let cell = 0; cell < cells; cell += 1) if (taken.has(key(cell))) return;
-    for (let cell = 0; cell < cells; cell += 1) taken.add(key(cell));
+    const [column, row] = [Math.floor(x / 24), Math.floor((y - 8) / 6)];
+    const key = (cell: number) => (row + (cell % 3)) * 4096 + column + Math.floor(cell / 3);
+    if (!always) for (let cell = 0; cell < 3 * cells; cell += 1) if (taken.has(key(cell))) return;
+    for (let cell = 0; cell < 3 * cells; cell += 1) taken.add(key(cell));
     written += 1;
     context.globalAlpha = Math.max(alpha, 0.6);
     context.fillStyle = walker.trouble === "urgent" ? look.palette.danger : look.palette.text;
@@ -338,7 +319,8 @@ function names(context: CanvasRenderingContext2D, view: View, look: PeopleLook, 
     context.fillText(walker.name, x + 12, y + 0.5);
   };
   if (chosen) write(chosen, true);
-  for (const shown of urgent) if (shown !== chosen && written < NAMES) write(shown, false);
-  for (const shown of candidates) if (shown !== chosen && written < NAMES && shown.walker.trouble !== "urgent") write(shown, false);
+  for (const shown of urgent) if (shown !== chosen && written < most) write(shown, false);
+  for (const shown of candidates)
+    if (shown !== chosen && written < most && shown.walker.trouble !== "urgent") write(shown, false);
   context.globalAlpha = 1;
 }

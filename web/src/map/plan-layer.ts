@@ -52,15 +52,18 @@ function draw(context: CanvasRenderingContext2D, view: View, look: PlanLook): vo
   const levelled = mine.roadways.filter((road) => road.level != null);
 
   // Ways between levels, and faintly what lies on other levels.
-  for (const road of between) way(context, view, look, road, palette.mineRamp, SHAFT_KINDS.has(road.kind) ? [2, 5] : [9, 6]);
-  if (level !== null) for (const road of levelled) if (!on(road)) stroke(context, view, look, road, palette.mineOther, 0);
+  for (const road of between)
+    way(context, view, look, road, palette.mineRamp, SHAFT_KINDS.has(road.kind) ? [2, 5] : [9, 6]);
+  if (level !== null)
+    for (const road of levelled) if (!on(road)) stroke(context, view, look, road, palette.mineOther, 0);
 
   // The walls of all first, then the floors: crossings stay open.
   const shown = levelled.filter(on);
   for (const road of shown) stroke(context, view, look, road, palette.mineCase, 2.4);
   chambers(context, view, look);
   for (const road of shown) stroke(context, view, look, road, palette.mineFill, 0);
-  for (const zone of look.zones) if ((level === null || zone.level === level) && zone.id !== look.hidden) zoneArea(context, view, look, zone);
+  for (const zone of look.zones)
+    if ((level === null || zone.level === level) && zone.id !== look.hidden) zoneArea(context, view, look, zone);
   if (view.scale > 0.9) doors(context, view, look);
   if (look.devices) devices(context, view, look);
   for (const zone of look.zones) if (level === null || zone.level === level) zoneMark(context, view, look, zone);
@@ -82,7 +85,14 @@ function lifted(look: PlanLook, road: Roadway): Point2[] {
   return road.points_m.map(([x, y, h]) => [x, y + (road.level == null ? look.stack.shiftOf(null, h) : own)]);
 }
 
-function stroke(context: CanvasRenderingContext2D, view: View, look: PlanLook, road: Roadway, colour: string, wall: number): void {
+function stroke(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PlanLook,
+  road: Roadway,
+  colour: string,
+  wall: number,
+): void {
   path(context, view, lifted(look, road));
   context.setLineDash([]);
   context.strokeStyle = colour;
@@ -90,7 +100,14 @@ function stroke(context: CanvasRenderingContext2D, view: View, look: PlanLook, r
   context.stroke();
 }
 
-function way(context: CanvasRenderingContext2D, view: View, look: PlanLook, road: Roadway, colour: string, dash: number[]): void {
+function way(
+  context: CanvasRenderingContext2D,
+  view: View,
+  look: PlanLook,
+  road: Roadway,
+  colour: string,
+  dash: number[],
+): void {
   const points = lifted(look, road);
   context.strokeStyle = colour;
   const flat = points.every(([x, y]) => Math.hypot(x - points[0]![0], y - points[0]![1]) < 1);
@@ -121,7 +138,11 @@ function chambers(context: CanvasRenderingContext2D, view: View, look: PlanLook)
     const level = levelAt(look.mine.levels, chamber.floor_m);
     if (look.level !== null && level !== look.level) continue;
     const shift = look.stack.shiftOf(level);
-    path(context, view, chamber.outline_m.map(([x, y]): Point2 => [x, y + shift]));
+    path(
+      context,
+      view,
+      chamber.outline_m.map(([x, y]): Point2 => [x, y + shift]),
+    );
     context.closePath();
     context.fillStyle = look.palette.mineFill;
     context.strokeStyle = look.palette.mineCase;
@@ -162,7 +183,11 @@ function hatch(context: CanvasRenderingContext2D, colour: string, kind: "lines" 
 function zoneArea(context: CanvasRenderingContext2D, view: View, look: PlanLook, zone: Zone): void {
   const shift = look.stack.shiftOf(zone.level);
   const colour = zoneColour(look.palette, zone.kind);
-  path(context, view, zone.outline_m.map(([x = 0, y = 0]): Point2 => [x, y + shift]));
+  path(
+    context,
+    view,
+    zone.outline_m.map(([x = 0, y = 0]): Point2 => [x, y + shift]),
+  );
   context.closePath();
   context.globalAlpha = 0.16;
   context.fillStyle = colour;
@@ -224,7 +249,11 @@ function doors(context: CanvasRenderingContext2D, view: View, look: PlanLook): v
   for (const door of look.mine.doors ?? []) {
     if (look.level !== null && door.level !== look.level) continue;
     const shift = look.stack.shiftOf(door.level);
-    path(context, view, door.ends_m.map(([x, y]): Point2 => [x, y + shift]));
+    path(
+      context,
+      view,
+      door.ends_m.map(([x, y]): Point2 => [x, y + shift]),
+    );
     context.stroke();
   }
 }

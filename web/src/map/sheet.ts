@@ -21,7 +21,13 @@ export class Sheet {
 
   constructor(name: string) {
     this.canvas.className = name;
-    Object.assign(this.canvas.style, { position: "absolute", inset: "0", width: "100%", height: "100%", pointerEvents: "none" });
+    Object.assign(this.canvas.style, {
+      position: "absolute",
+      inset: "0",
+      width: "100%",
+      height: "100%",
+      pointerEvents: "none",
+    });
   }
 
   /** Takes the frame's transformation and clears. */

@@ -9,7 +9,13 @@ export const hasChromium = existsSync(CHROMIUM);
 export async function launch(): Promise<Browser> {
   return chromium.launch({
     executablePath: CHROMIUM,
-    args: ["--no-sandbox", "--disable-gpu", "--autoplay-policy=no-user-gesture-required", "--enable-precise-memory-info", "--js-flags=--expose-gc"],
+    args: [
+      "--no-sandbox",
+      "--disable-gpu",
+      "--autoplay-policy=no-user-gesture-required",
+      "--enable-precise-memory-info",
+      "--js-flags=--expose-gc",
+    ],
   });
 }
 
@@ -19,7 +25,11 @@ export interface Opened {
 }
 
 /** Logs in by the address, as `adit demo` does. */
-export async function open(browser: Browser, server: Server, options: BrowserContextOptions & { language?: "en" | "zh"; theme?: "dark" | "light" } = {}): Promise<Opened> {
+export async function open(
+  browser: Browser,
+  server: Server,
+  options: BrowserContextOptions & { language?: "en" | "zh"; theme?: "dark" | "light" } = {},
+): Promise<Opened> {
   const { language = "en", theme = "dark", ...rest } = options;
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...rest });
   await context.addInitScript(
@@ -35,7 +45,8 @@ export async function open(browser: Browser, server: Server, options: BrowserCon
   page.on("pageerror", (error) => errors.push(String(error)));
   page.on("console", (message) => {
     // A server that is down is told by the browser itself; the tests that end it expect that.
-    if (message.type() === "error" && !/Failed to load resource|WebSocket connection|ERR_/.test(message.text())) errors.push(message.text());
+    if (message.type() === "error" && !/Failed to load resource|WebSocket connection|ERR_/.test(message.text()))
+      errors.push(message.text());
   });
   await page.goto(`${server.url}/#login=admin:${encodeURIComponent(server.password)}`);
   await page.waitForSelector("nav a[aria-current=page]");

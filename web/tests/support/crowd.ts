@@ -2,8 +2,41 @@
 import type { Mine, Point3, Roadway } from "../../src/api/types";
 import type { Server } from "./server";
 
-const GIVEN = ["Anna", "Bernd", "Carla", "David", "Elif", "Frank", "Greta", "Hannes", "Irina", "Jonas", "Katrin", "Lukas", "Mara", "Nils", "Olga", "Piotr"];
-const FAMILY = ["Berger", "Chen", "Dietz", "Ernst", "Fischer", "Günther", "Hartmann", "Ivanov", "Jansen", "Kowalski", "Lange", "Maier", "Novak", "Otto", "Peters"];
+const GIVEN = [
+  "Anna",
+  "Bernd",
+  "Carla",
+  "David",
+  "Elif",
+  "Frank",
+  "Greta",
+  "Hannes",
+  "Irina",
+  "Jonas",
+  "Katrin",
+  "Lukas",
+  "Mara",
+  "Nils",
+  "Olga",
+  "Piotr",
+];
+const FAMILY = [
+  "Berger",
+  "Chen",
+  "Dietz",
+  "Ernst",
+  "Fischer",
+  "Günther",
+  "Hartmann",
+  "Ivanov",
+  "Jansen",
+  "Kowalski",
+  "Lange",
+  "Maier",
+  "Novak",
+  "Otto",
+  "Peters",
+];
 const TEAMS = ["north", "south", "transport", "electrical", "rescue"];
 
 /** Numbers that are the same in every run. */
@@ -51,7 +84,8 @@ function along(road: Roadway, at: number): Point3 {
 
 export const personId = (index: number) => `p${String(index + 1).padStart(4, "0")}`;
 export const tagId = (index: number) => `t${String(index + 1).padStart(4, "0")}`;
-export const personName = (index: number) => `${GIVEN[index % GIVEN.length]} ${FAMILY[(index * 7 + Math.floor(index / 16)) % FAMILY.length]}`;
+export const personName = (index: number) =>
+  `${GIVEN[index % GIVEN.length]} ${FAMILY[(index * 7 + Math.floor(index / 16)) % FAMILY.length]}`;
 
 export class Crowd {
   readonly #hikers: Hiker[] = [];
@@ -63,7 +97,7 @@ export class Crowd {
     private readonly mine: Mine,
   ) {}
 
-  /** `named` of them are entered as people with a tag each; the others are tags that nobody wears. */
+  /** `named` of them are entered as people with a tag each; the others are tags that nobody is known to wear. */
   static async of(server: Server, count: number, named = count): Promise<Crowd> {
     const mine = await server.ask<Mine>("GET", "/api/v1/mine");
     const crowd = new Crowd(server, mine);
@@ -76,17 +110,28 @@ export class Crowd {
       let pick = 0;
       while (where > lengths[pick]!) where -= lengths[pick++]!;
       const pace = (random() < 0.5 ? -1 : 1) * (0.9 + random() * 0.7);
-      crowd.#hikers.push({ tag: tagId(index), road: roads[pick]!, at: where, pace, length: lengths[pick]!, still: false });
+      crowd.#hikers.push({
+        tag: tagId(index),
+        road: roads[pick]!,
+        at: where,
+        pace,
+        length: lengths[pick]!,
+        still: false,
+      });
     }
     const enter = async (index: number) => {
       await server.ask("POST", "/api/v1/tags", { id: tagId(index), worn: "helmet" });
-      if (index >= named) return;
-      const person = { id: personId(index), name: personName(index), team: TEAMS[index % TEAMS.length], shift: "early" };
+      const person = {
+        id: personId(index),
+        name: personName(index),
+        team: TEAMS[index % TEAMS.length],
+        shift: "early",
+      };
       await server.ask("POST", "/api/v1/people", person);
       await server.ask("POST", `/api/v1/tags/${tagId(index)}/assignments`, { person: personId(index) });
     };
-    for (let from = 0; from < Math.min(count, 1000); from += 40) {
-      await Promise.all(Array.from({ length: Math.min(40, Math.min(count, 1000) - from) }, (_, i) => enter(from + i)));
+    for (let from = 0; from < named; from += 40) {
+      await Promise.all(Array.from({ length: Math.min(40, named - from) }, (_, index) => enter(from + index)));
     }
     return crowd;
   }
@@ -142,11 +187,8 @@ export class Crowd {
   }
 }
 
-/** A packet of a tag through a gateway: a press of the distress button, a battery, rest or motion. */
-export async function packet(server: Server, tag: string, sequence: number, observations: unknown[]): Promise<unknown> {
-  return server.ask("POST", "/api/v1/gateways/g-test/observations", {
-    boot: 1,
-    sequence,
-    packets: [{ tag, sequence, observations }],
-  });
+/** Somebody presses the button for help, as their tag tells it through a gateway. */
+export async function press(server: Server, tag: string): Promise<void> {
+  const packets = [{ tag, distress: true, battery: 0.63, observations: [] }];
+  await server.ask("POST", "/api/v1/gateways/g-test/observations", { boot: Date.now(), sequence: 1, packets });
 }

@@ -5,7 +5,12 @@ import { connect, type Socket } from "node:net";
 import { extname, join, resolve } from "node:path";
 
 const dist = resolve(import.meta.dirname, "../../dist");
-const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
+const TYPES: Record<string, string> = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
+};
 /** That of the server (contract, point 1): what breaks it shall break here too. */
 const POLICY =
   "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; connect-src 'self'; worker-src 'self' blob:; frame-ancestors 'none'";
@@ -33,7 +38,10 @@ export class Front {
       const path = (asked.url ?? "/").split("?")[0]!;
       const file = join(dist, path === "/" ? "index.html" : path);
       if (file.startsWith(dist) && !/^\/(api|v2|metrics|health)/.test(path) && existsSync(file)) {
-        answer.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Content-Security-Policy": POLICY });
+        answer.writeHead(200, {
+          "Content-Type": TYPES[extname(file)] ?? "application/octet-stream",
+          "Content-Security-Policy": POLICY,
+        });
         answer.end(readFileSync(file));
         return;
       }

@@ -1,6 +1,6 @@
 /** A real server for a test: `adit serve` in a folder of its own, or the one at `ADIT_URL`. */
 import { spawn, type ChildProcess } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -33,21 +33,32 @@ export class Server {
   private constructor(
     private readonly binary: string,
     private readonly folder: string,
-    private readonly mine: string,
+    /** How it is told what to serve. */
+    private readonly told: string[],
     readonly port: number,
     public password: string,
   ) {}
 
-  /** Null where there is no binary. */
-  static async start(mine = join(repository, "mines/two-level.toml")): Promise<Server | null> {
+  /** Null where there is no binary. `anybody`: how many tags that nobody entered are followed. */
+  static async start({ mine = join(repository, "mines/two-level.toml"), anybody = 1000 } = {}): Promise<Server | null> {
     const found = binary();
     if (found === null) return null;
     const folder = mkdtempSync(join(tmpdir(), "adit-console-"));
-    const server = new Server(found, folder, mine, await freePort(), "");
+    const settings = join(folder, "site.toml");
+    writeFileSync(settings, `[site]\nmine = "${mine}"\n\n[rules.contact]\nunregistered_tags = ${anybody}\n`);
+    const server = new Server(found, folder, ["--config", settings], await freePort(), "");
     await server.up();
     await server.logIn();
     server.#front = await Front.before(server.api);
     return server;
+  }
+
+  static has(): boolean {
+    return binary() !== null;
+  }
+
+  get program(): string {
+    return this.binary;
   }
 
   /** Where the API answers. */
@@ -70,7 +81,7 @@ export class Server {
 
   /** Starts it, again too. */
   async up(): Promise<void> {
-    const args = ["serve", "--mine", this.mine, "--data", join(this.folder, "data"), "--listen", `127.0.0.1:${this.port}`];
+    const args = ["serve", ...this.told, "--data", join(this.folder, "data"), "--listen", `127.0.0.1:${this.port}`];
     const started = spawn(this.binary, args, { stdio: ["ignore", "pipe", "pipe"] });
     this.#process = started;
     let said = "";
@@ -105,7 +116,10 @@ export class Server {
   }
 
   async logIn(): Promise<void> {
-    const answer = await this.ask<{ token: string }>("POST", "/api/v1/session", { name: "admin", password: this.password });
+    const answer = await this.ask<{ token: string }>("POST", "/api/v1/session", {
+      name: "admin",
+      password: this.password,
+    });
     this.token = answer.token;
   }
 

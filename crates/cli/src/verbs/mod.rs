@@ -8,6 +8,7 @@ mod load;
 mod mine;
 mod nlos;
 mod recorded_set;
+mod replay;
 mod serve;
 mod simulate;
 mod store;
@@ -31,6 +32,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Compare(args) => compare::run(args),
         Verb::Tune(args) => tune::run(args),
         Verb::Load(args) => load::run(args),
+        Verb::Replay(args) => replay::run(args),
         Verb::Serve(args) => serve::run(args),
         Verb::Store(args) => store::store(args),
         Verb::Audit(args) => store::audit(args),

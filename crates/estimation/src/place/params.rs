@@ -40,6 +40,9 @@ pub struct PlaceParams {
     /// Tell the place of the newest ranges or fix while the direction of the way is not known: who stands since the beginning is somewhere already. What is told so holds
     /// nothing; a live server wants it.
     pub before_direction: bool,
+    /// Before there is a place, a scan of signal strengths is left unless so long has passed since the last position by one, s, or the walker has gone on: one of the same spot says
+    /// little that is new (`pdr::radio`), and to look it up on the map of the site is the dearest thing a tag asks for. 0 takes all.
+    pub scan_rest_s: f64,
 }
 
 /// How dead reckoning of a carrier errs.
@@ -99,6 +102,7 @@ impl Default for PlaceParams {
             weather_m_sqrt_s: 0.15,
             lost_m: 200.0,
             before_direction: false,
+            scan_rest_s: 0.0,
         }
     }
 }
@@ -197,6 +201,7 @@ impl PlaceParams {
             ("place.barometer_sigma_m", positive(self.barometer_sigma_m)),
             ("place.weather_m_sqrt_s", not_negative(self.weather_m_sqrt_s)),
             ("place.lost_m", positive(self.lost_m)),
+            ("place.scan_rest_s", not_negative(self.scan_rest_s)),
         ])
     }
 }

@@ -143,6 +143,10 @@ const SUREST: f32 = 1e-3;
 const SHARPEST: f32 = 0.05;
 /// Rounds of reweighting for the offset.
 const OFFSET_ROUNDS: usize = 3;
+/// Places reckoned side by side.
+const LANES: usize = 4;
+/// So far below the likeliest, as logarithm, a place weighs nothing.
+const NOTHING: f64 = -60.0;
 /// A product of this size is turned into its logarithm.
 const LARGE: f64 = 1e200;
 
@@ -218,17 +222,24 @@ impl RadioMap {
         let known: Vec<Reading> =
             readings.iter().filter(|one| one.transmitter < count && one.value.is_finite()).copied().collect();
         log_likelihood.clear();
-        let mut errors: Vec<(f64, f64)> = Vec::with_capacity(known.len());
-        for (cells, silence) in self.cells.chunks_exact(count).zip(&self.silence) {
-            let mut log = params.heard_weight * f64::from(*silence);
+        let mut errors: Vec<([f64; LANES], [f64; LANES])> = Vec::with_capacity(known.len());
+        for (cells, silence) in self.cells.chunks(LANES * count).zip(self.silence.chunks(LANES)) {
+            // Places beyond the last are the last once more, and left out.
+            let last = silence.len() - 1;
+            let lanes: [usize; LANES] = core::array::from_fn(|lane| lane.min(last));
+            let mut log = lanes.map(|lane| params.heard_weight * f64::from(silence[lane]));
             errors.clear();
             for reading in &known {
-                let cell = &cells[reading.transmitter];
-                errors.push((reading.value - f64::from(cell.mean), f64::from(cell.information)));
-                log += params.heard_weight * f64::from(cell.log_odds) - f64::from(cell.ln_sigma);
+                let at = lanes.map(|lane| &cells[lane * count + reading.transmitter]);
+                let error = at.map(|cell| reading.value - f64::from(cell.mean));
+                errors.push((error, at.map(|cell| f64::from(cell.information))));
+                for (log, cell) in log.iter_mut().zip(at) {
+                    *log += params.heard_weight * f64::from(cell.log_odds) - f64::from(cell.ln_sigma);
+                }
             }
-            log += strengths(&errors, params);
-            log_likelihood.push(params.share * log);
+            let strengths = strengths(&errors, params);
+            let both = log.iter().zip(&strengths).take(silence.len());
+            log_likelihood.extend(both.map(|(log, strengths)| params.share * (log + strengths)));
         }
     }
 
@@ -243,43 +254,53 @@ impl RadioMap {
         self.log_likelihood(readings, params, &mut log_likelihood);
         let best = log_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for value in &mut log_likelihood {
-            *value = libm::exp(*value - best);
+            let below = *value - best;
+            *value = if below > NOTHING { libm::exp(below) } else { 0.0 };
         }
         place_fix(&self.stored.lattice, &log_likelihood)
     }
 }
 
-/// Likelihood of the errors (with one over their variance) at one place, the tag's offset at its best.
+/// Likelihood of the errors (with one over their variance) at some places, the tag's offset at its best at each. The places are independent lanes, so that
+/// a processor divides for several at once.
 #[inline]
-fn strengths(errors: &[(f64, f64)], params: &MapParams) -> f64 {
+fn strengths(errors: &[([f64; LANES], [f64; LANES])], params: &MapParams) -> [f64; LANES] {
     let dof = params.dof;
-    let mut offset = 0.0;
-    let mut log = 0.0;
+    let mut offset = [0.0; LANES];
+    let mut log = [0.0; LANES];
     if params.offset_sigma > 0.0 {
         let prior = 1.0 / (params.offset_sigma * params.offset_sigma);
         for _ in 0..OFFSET_ROUNDS {
-            let (mut sum, mut total) = (0.0, prior);
+            let (mut sum, mut total) = ([0.0; LANES], [prior; LANES]);
             for (error, information) in errors {
-                let rest = error - offset;
-                let weight = information * (dof + 1.0) / (dof + rest * rest * information);
-                sum += weight * error;
-                total += weight;
+                for lane in 0..LANES {
+                    let rest = error[lane] - offset[lane];
+                    let weight = information[lane] * (dof + 1.0) / (dof + rest * rest * information[lane]);
+                    sum[lane] += weight * error[lane];
+                    total[lane] += weight;
+                }
             }
-            offset = sum / total;
+            for lane in 0..LANES {
+                offset[lane] = sum[lane] / total[lane];
+            }
         }
-        log -= 0.5 * offset * offset * prior;
+        log = offset.map(|offset| -0.5 * offset * offset * prior);
     }
-    let mut product = 1.0_f64;
-    let mut logs = 0.0;
+    let mut product = [1.0_f64; LANES];
+    let mut logs = [0.0; LANES];
     for (error, information) in errors {
-        let rest = error - offset;
-        product *= 1.0 + rest * rest * information / dof;
-        if product > LARGE {
-            logs += libm::log(product);
-            product = 1.0;
+        for lane in 0..LANES {
+            let rest = error[lane] - offset[lane];
+            product[lane] *= 1.0 + rest * rest * information[lane] / dof;
+        }
+        for (product, logs) in product.iter_mut().zip(&mut logs) {
+            if *product > LARGE {
+                *logs += libm::log(*product);
+                *product = 1.0;
+            }
         }
     }
-    log - 0.5 * (dof + 1.0) * (logs + libm::log(product))
+    core::array::from_fn(|lane| log[lane] - 0.5 * (dof + 1.0) * (logs[lane] + libm::log(product[lane])))
 }
 
 /// Mean and covariance of weights over the places of the likeliest floor.

@@ -2,11 +2,14 @@
 
 use crate::auth::AuthError;
 use crate::ingest::{CommandError, DoorError};
+use crate::seldom::Seldom;
+use crate::store::StoreError;
 use adit_tracking::Refused;
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use utoipa::ToSchema;
 
 /// Why it was not done.
@@ -137,18 +140,19 @@ impl From<AuthError> for ApiError {
             }
             AuthError::Taken { .. } | AuthError::LastAdmin { .. } => Self::conflict(message),
             AuthError::Unknown { .. } => Self::not_found(message),
-            AuthError::Random(_) | AuthError::Hash(_) | AuthError::Database(_) | AuthError::Role { .. } => {
-                Self::internal(&error)
-            }
+            AuthError::Store(error) => Self::of_store(&error),
+            AuthError::Database(error) => Self::of_store(&StoreError::of(Path::new("users"), &error)),
+            AuthError::Random(_) | AuthError::Hash(_) | AuthError::Role { .. } => Self::internal(&error),
         }
     }
 }
 
 impl ApiError {
     /// Of the store.
-    pub(super) fn of_store(error: &crate::store::StoreError) -> Self {
+    pub(super) fn of_store(error: &StoreError) -> Self {
+        static LATER: Seldom = Seldom::new();
         if error.may_be_tried_again() {
-            tracing::warn!("API: {error}");
+            LATER.warn(format_args!("API: {error}"));
             Self::unavailable("the store cannot be written or read now", 5)
         } else {
             Self::internal(error)

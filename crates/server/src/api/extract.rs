@@ -1,12 +1,13 @@
 //! What handlers take out of a request; what cannot be read is answered as [`Problem`](super::Problem), never as text.
 
 use super::ApiError;
+use super::client::ClientAddress;
 use crate::auth::Principal;
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
-use axum::extract::{ConnectInfo, FromRequest, FromRequestParts, Request};
+use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr};
 
 /// A JSON body.
 #[derive(Debug)]
@@ -89,7 +90,7 @@ impl<S: Send + Sync> FromRequestParts<S> for From {
     }
 }
 
+/// The guard has told; without it, nobody knows.
 fn address_of(parts: &Parts) -> IpAddr {
-    let known = parts.extensions.get::<ConnectInfo<SocketAddr>>();
-    known.map_or(IpAddr::V4(std::net::Ipv4Addr::UNSPECIFIED), |info| info.0.ip().to_canonical())
+    parts.extensions.get::<ClientAddress>().map_or(IpAddr::V4(Ipv4Addr::UNSPECIFIED), |client| client.0)
 }

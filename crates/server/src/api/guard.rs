@@ -1,7 +1,7 @@
 //! The one layer that every request passes: who asks, and may they? Denied unless the table of routes allows it.
 
 use super::routes::{Access, AccessTable};
-use super::{ApiError, Context};
+use super::{ApiError, Context, client};
 use crate::auth::{Permission, Principal};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::request::Parts;
@@ -22,6 +22,7 @@ pub(super) struct Guard {
 
 pub(super) async fn guard(State(guard): State<Guard>, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
+    parts.extensions.insert(client::of(&guard.context.settings, &parts));
     match admit(&guard, &parts).await {
         Ok(principal) => {
             if let Some(principal) = principal {

@@ -4,6 +4,7 @@
 //! state under its read lock and the store; what changes the live state goes through the [`Door`] into the journal and is answered
 //! when it was applied. Whatever goes wrong is answered as [`Problem`] in JSON.
 
+mod client;
 mod error;
 mod extract;
 mod guard;
@@ -20,6 +21,7 @@ mod view;
 
 pub use error::{ApiError, Problem};
 pub use health::{Health, Part};
+pub use ipnet::IpNet;
 pub use metrics::Metrics;
 pub use openapi::document;
 pub use routes::Access;
@@ -43,12 +45,15 @@ use routes::Routes;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use std::time::Duration;
 use tower_http::cors::{AllowOrigin, CorsLayer};
 use tower_http::set_header::SetResponseHeaderLayer;
 use utoipa_axum::routes;
 
 /// Largest body of a request that is not a batch, bytes.
 const BODY_LIMIT: usize = 256 * 1024;
+/// How long the answer to a command that is done waits for the audit log.
+const AUDIT_PATIENCE: Duration = Duration::from_secs(2);
 
 /// How the API behaves.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,6 +63,8 @@ pub struct ApiSettings {
     pub open_metrics: bool,
     /// Cookies are sent over TLS only: set when a proxy in front does the TLS.
     pub secure_cookies: bool,
+    /// Networks of proxies whose `X-Forwarded-For` says who asks, for limits and the audit log; nobody's counts where it is empty.
+    pub trusted_proxies: Vec<IpNet>,
 }
 
 /// What the routes need.
@@ -104,10 +111,15 @@ impl Context {
             Err(CommandError::Refused(refused)) => format!("refused: {refused}"),
             Err(CommandError::Door(error)) => return Err(error.clone().into()),
         };
-        // It is done whether the log can be written or not, and stands in the journal.
-        if self.audit(caller, &what, &how, detail).await.is_err() {
-            ::metrics::counter!("adit_audit_failures_total").increment(1);
-        }
+        // It is done whether the log can be written or not, and stands in the journal: nobody waits long for a store that is locked.
+        let entry = self.entry(&caller.principal.name, caller.address, &what, &how, detail);
+        let store = self.store.clone();
+        let written = tokio::spawn(async move {
+            if store.audit(&entry).await.is_err() {
+                ::metrics::counter!("adit_audit_failures_total").increment(1);
+            }
+        });
+        let _ = tokio::time::timeout(AUDIT_PATIENCE, written).await;
         Ok(outcome?)
     }
 
@@ -130,15 +142,26 @@ impl Context {
         outcome: &str,
         detail: Value,
     ) -> Result<(), ApiError> {
-        let entry = AuditRecord {
+        let entry = self.entry(who, address, what, outcome, detail);
+        self.store.audit(&entry).await.map_err(|error| ApiError::of_store(&error)).map(drop)
+    }
+
+    fn entry(
+        &self,
+        who: &str,
+        address: std::net::IpAddr,
+        what: &str,
+        outcome: &str,
+        detail: Value,
+    ) -> AuditRecord {
+        AuditRecord {
             time: self.clock.now(),
             who: who.into(),
             what: what.into(),
             source: address.to_string(),
             outcome: outcome.into(),
             detail,
-        };
-        self.store.audit(&entry).await.map_err(|error| ApiError::of_store(&error)).map(drop)
+        }
     }
 }
 

@@ -60,6 +60,9 @@ pub enum AuthError {
     /// A password could not be hashed.
     #[error("hashing of a password: {0}")]
     Hash(String),
+    /// The store cannot be written.
+    #[error("users: {0}")]
+    Store(#[from] crate::store::StoreError),
     /// What the database said.
     #[error("users: {0}")]
     Database(#[from] sqlx::Error),

@@ -38,6 +38,7 @@ use serde::{Deserialize, Serialize};
 use sqlx::SqlitePool;
 use std::num::NonZeroU32;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The time of day, as the server knows it.
 pub type WallClock = Arc<dyn Fn() -> Time + Send + Sync>;
@@ -77,6 +78,8 @@ pub struct Auth {
     passwords: Passwords,
     limiter: Arc<LoginLimiter>,
     clock: WallClock,
+    /// When a session was seen is being written.
+    noting: Arc<AtomicBool>,
 }
 
 impl Auth {
@@ -85,7 +88,8 @@ impl Auth {
         let limiter =
             LoginLimiter::new(settings.logins_per_address_per_minute, settings.logins_per_name_per_minute);
         let passwords = Passwords::new().await?;
-        Ok(Self { store, settings: Arc::new(settings), passwords, limiter: Arc::new(limiter), clock })
+        let (settings, limiter, noting) = (Arc::new(settings), Arc::new(limiter), Arc::default());
+        Ok(Self { store, settings, passwords, limiter, clock, noting })
     }
 
     /// On the first start, makes the user `admin` and returns the password, which is not kept: to be printed once. `None` when there
@@ -106,10 +110,6 @@ impl Auth {
 
     fn readers(&self) -> &SqlitePool {
         self.store.readers()
-    }
-
-    fn writer(&self) -> &SqlitePool {
-        self.store.writer()
     }
 
     fn now(&self) -> i64 {

@@ -4,6 +4,7 @@ use super::secret::{Kind, digest};
 use super::{Auth, AuthError, Grant, Permission};
 use adit_core::time::Time;
 use sqlx::Row as _;
+use std::sync::atomic::Ordering;
 
 /// A session's time of the last request is written again after so long, ns: not for every request.
 const SEEN_EVERY_NS: i64 = 60_000_000_000;
@@ -74,18 +75,38 @@ impl Auth {
         let nanos = |seconds: u32| i64::from(seconds) * 1_000_000_000;
         let end = (created + nanos(self.settings.session_s)).min(seen + nanos(self.settings.session_idle_s));
         if now >= end {
-            sqlx::query("DELETE FROM sessions WHERE digest = ?").bind(&digest).execute(self.writer()).await?;
+            // The next log-in deletes it.
             return Ok(None);
         }
         if now - seen > SEEN_EVERY_NS {
-            let seen =
-                sqlx::query("UPDATE sessions SET seen_ns = ? WHERE digest = ?").bind(now).bind(&digest);
-            seen.execute(self.writer()).await?;
+            self.note_seen(digest.clone(), now);
         }
         let grant = grant(row.try_get("role")?)?;
         let expires = Some(Time::from_nanos(end));
         let name = row.try_get("name")?;
         Ok(Some(Principal { name, grant, credential: Credential::Session, expires, digest }))
+    }
+
+    /// Writes when a session was seen last, behind the request: whoever asks does not wait for a store that is locked or full. One at a
+    /// time; what is left out then is written with a later request.
+    fn note_seen(&self, digest: Vec<u8>, now: i64) {
+        if self.noting.swap(true, Ordering::Relaxed) {
+            return;
+        }
+        let auth = self.clone();
+        tokio::spawn(async move {
+            if let Err(error) = auth.write_seen(&digest, now).await {
+                tracing::debug!("{error}");
+            }
+            auth.noting.store(false, Ordering::Relaxed);
+        });
+    }
+
+    async fn write_seen(&self, digest: &[u8], now: i64) -> Result<(), AuthError> {
+        let seen = sqlx::query("UPDATE sessions SET seen_ns = ? WHERE digest = ?").bind(now).bind(digest);
+        let mut transaction = self.store.write().await?;
+        seen.execute(&mut *transaction).await?;
+        Ok(transaction.commit().await?)
     }
 
     async fn of_token(&self, digest: Vec<u8>) -> Result<Option<Principal>, AuthError> {

@@ -117,6 +117,8 @@ pub enum Permission {
     EndEvacuation,
     /// Zones and their limits.
     ManageZones,
+    /// The rules of alarms.
+    ManageRules,
     /// Take the record out of the house.
     Export,
     /// Who did what.
@@ -127,6 +129,8 @@ pub enum Permission {
     ManageUsers,
     /// API tokens.
     ManageTokens,
+    /// Copies of the store.
+    BackUp,
     /// The settings in force.
     SeeSettings,
     /// How fast the clock of a simulated shift goes.
@@ -137,7 +141,7 @@ pub enum Permission {
 
 impl Permission {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::OwnAccount,
         Self::SeeLive,
         Self::SeeHistory,
@@ -146,11 +150,13 @@ impl Permission {
         Self::Evacuate,
         Self::EndEvacuation,
         Self::ManageZones,
+        Self::ManageRules,
         Self::Export,
         Self::SeeAudit,
         Self::ManageOmlox,
         Self::ManageUsers,
         Self::ManageTokens,
+        Self::BackUp,
         Self::SeeSettings,
         Self::SetClock,
         Self::Ingest,
@@ -185,6 +191,7 @@ impl Permission {
                 "manage-zones",
                 "add, change and remove zones and the anchors of the plan, forget gateways and anchors",
             ),
+            Self::ManageRules => (Role::SafetyOfficer, "manage-rules", "change the rules of alarms"),
             Self::Export => (Role::SafetyOfficer, "export", "export tracks, events and alarms"),
             Self::SeeAudit => (Role::SafetyOfficer, "see-audit", "read the audit log"),
             Self::ManageOmlox => {
@@ -192,6 +199,7 @@ impl Permission {
             }
             Self::ManageUsers => (Role::Admin, "manage-users", "add, change and delete users"),
             Self::ManageTokens => (Role::Admin, "manage-tokens", "make and revoke API tokens"),
+            Self::BackUp => (Role::Admin, "back-up", "make and list copies of the store"),
             Self::SeeSettings => (Role::Admin, "see-settings", "see the settings in force"),
             Self::SetClock => (Role::Admin, "set-clock", "set the speed of a simulated shift"),
             Self::Ingest => (

@@ -50,7 +50,7 @@ impl Auth {
         let role: String = user.try_get("role")?;
         let role = Role::named(&role).ok_or(AuthError::Role { found: role })?;
         let secret = Secret::new(Kind::Session)?;
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.store.write().await?;
         let unlock = sqlx::query("UPDATE users SET failures = 0, locked_until_ns = NULL WHERE id = ?");
         unlock.bind(&id).execute(&mut *transaction).await?;
         let nanos = |seconds: u32| i64::from(seconds) * 1_000_000_000;
@@ -68,8 +68,9 @@ impl Auth {
     /// Ends a session; a token stays.
     pub async fn logout(&self, principal: &Principal) -> Result<(), AuthError> {
         let end = sqlx::query("DELETE FROM sessions WHERE digest = ?").bind(&principal.digest);
-        end.execute(self.writer()).await?;
-        Ok(())
+        let mut transaction = self.store.write().await?;
+        end.execute(&mut *transaction).await?;
+        Ok(transaction.commit().await?)
     }
 
     /// Changes one's own password: asks for the old one, ends all other sessions.
@@ -89,7 +90,7 @@ impl Auth {
         }
         let hash = self.passwords.hash(new).await?;
         let id: String = user.try_get("id")?;
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.store.write().await?;
         let change = sqlx::query("UPDATE users SET password_hash = ? WHERE id = ?").bind(hash).bind(&id);
         change.execute(&mut *transaction).await?;
         let end = sqlx::query("DELETE FROM sessions WHERE user_id = ? AND digest <> ?");
@@ -102,7 +103,8 @@ impl Auth {
         const COUNT: &str = "UPDATE users SET failures = (failures + 1) % ?2, \
                              locked_until_ns = CASE WHEN failures + 1 >= ?2 THEN ?3 ELSE NULL END WHERE id = ?1";
         let until = now + i64::from(LOCKED_S) * 1_000_000_000;
-        sqlx::query(COUNT).bind(id).bind(LOCKED_AFTER).bind(until).execute(self.writer()).await?;
-        Ok(())
+        let mut transaction = self.store.write().await?;
+        sqlx::query(COUNT).bind(id).bind(LOCKED_AFTER).bind(until).execute(&mut *transaction).await?;
+        Ok(transaction.commit().await?)
     }
 }

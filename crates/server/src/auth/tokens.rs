@@ -65,7 +65,9 @@ impl Auth {
         let id = uuid::Uuid::now_v7().to_string();
         let add = sqlx::query(ADD).bind(&id).bind(name).bind(secret.shown()).bind(secret.digest());
         let add = add.bind(grant.name()).bind(by).bind(self.now()).bind(expires.map(Time::nanos));
-        add.execute(self.writer()).await.map_err(taken(name))?;
+        let mut transaction = self.store.write().await?;
+        add.execute(&mut *transaction).await.map_err(taken(name))?;
+        transaction.commit().await?;
         let row =
             sqlx::query("SELECT * FROM api_tokens WHERE id = ?").bind(&id).fetch_one(self.readers()).await?;
         Ok(NewToken { token: token(&row)?, secret })
@@ -76,7 +78,9 @@ impl Auth {
         let revoke = sqlx::query(
             "UPDATE api_tokens SET revoked_ns = COALESCE(revoked_ns, ?) WHERE id = ? RETURNING *",
         );
-        let row = revoke.bind(self.now()).bind(id).fetch_optional(self.writer()).await?;
+        let mut transaction = self.store.write().await?;
+        let row = revoke.bind(self.now()).bind(id).fetch_optional(&mut *transaction).await?;
+        transaction.commit().await?;
         let unknown = || AuthError::Unknown { what: "token", id: id.into() };
         token(&row.ok_or_else(unknown)?)
     }

@@ -4,7 +4,7 @@ use super::error::taken;
 use super::{Auth, AuthError, Role};
 use adit_core::time::Time;
 use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, Sqlite, Transaction};
+use sqlx::{Row as _, SqliteConnection};
 
 /// So many wrong passwords in a row lock a name.
 pub const LOCKED_AFTER: u32 = 10;
@@ -68,7 +68,10 @@ impl Auth {
         let hash = self.passwords.hash(password).await?;
         let add = "INSERT INTO users (id, name, role, password_hash, created_ns) VALUES (?, ?, ?, ?, ?)";
         let add = sqlx::query(add).bind(uuid::Uuid::now_v7().to_string()).bind(name).bind(role.name());
-        add.bind(hash).bind(self.now()).execute(self.writer()).await.map_err(taken(name))?;
+        let add = add.bind(hash).bind(self.now());
+        let mut transaction = self.store.write().await?;
+        add.execute(&mut *transaction).await.map_err(taken(name))?;
+        transaction.commit().await?;
         self.user(name).await
     }
 
@@ -79,7 +82,7 @@ impl Auth {
             Some(password) => Some(self.passwords.hash(password).await?),
             None => None,
         };
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.store.write().await?;
         let before = sqlx::query("SELECT * FROM users WHERE name = ?").bind(&name);
         let before = before.fetch_optional(&mut *transaction).await?.ok_or_else(|| unknown(&name))?;
         let before = user(&before, self.now())?;
@@ -99,7 +102,7 @@ impl Auth {
     /// Removes a user and their sessions.
     pub async fn remove_user(&self, name: &str) -> Result<(), AuthError> {
         let name = name.to_lowercase();
-        let mut transaction = self.writer().begin_with("BEGIN IMMEDIATE").await?;
+        let mut transaction = self.store.write().await?;
         let end = "DELETE FROM sessions WHERE user_id = (SELECT id FROM users WHERE name = ?)";
         sqlx::query(end).bind(&name).execute(&mut *transaction).await?;
         let gone = sqlx::query("DELETE FROM users WHERE name = ?").bind(&name);
@@ -113,9 +116,9 @@ impl Auth {
 }
 
 /// Refuses a change after which no admin could log in.
-async fn keep_an_admin(transaction: &mut Transaction<'_, Sqlite>, name: &str) -> Result<(), AuthError> {
+async fn keep_an_admin(connection: &mut SqliteConnection, name: &str) -> Result<(), AuthError> {
     let left = sqlx::query("SELECT 1 FROM users WHERE role = 'admin' AND disabled = 0 LIMIT 1");
-    match left.fetch_optional(&mut **transaction).await? {
+    match left.fetch_optional(connection).await? {
         Some(_) => Ok(()),
         None => Err(AuthError::LastAdmin { name: name.into() }),
     }

@@ -5,6 +5,7 @@ use crate::journal::{
     UserCommand, What,
 };
 use crate::pipeline::{Asked, TagHealth};
+use crate::seldom::Seldom;
 use adit_core::frames::MineGrid;
 use adit_core::time::Time;
 use adit_observation::wire::{Batch, Packet, Resolution, WireError};
@@ -58,7 +59,7 @@ pub enum DoorError {
     #[error("{0}")]
     Json(String),
     /// A name that is none.
-    #[error("{what} '{found}': expected 1 to 128 bytes without '/', '+', '#' and control characters")]
+    #[error("{what} {found:?}: expected 1 to 128 bytes without '/', '+', '#' and control characters")]
     Name {
         /// Of what.
         what: &'static str,
@@ -90,6 +91,13 @@ pub enum DoorError {
     /// The journal did not take it.
     #[error(transparent)]
     NotStored(#[from] NotStored),
+}
+
+impl DoorError {
+    /// Sent again it would be refused again.
+    pub const fn is_senders_fault(&self) -> bool {
+        !matches!(self, Self::Busy | Self::NoAnswer | Self::NotStored(_))
+    }
 }
 
 /// Why a command was not done.
@@ -152,8 +160,21 @@ impl Door {
         timeout(PATIENCE, told).await.ok()?.ok()
     }
 
-    /// Stores the batch of a gateway.
+    /// Stores the batch of a gateway. One that is none is counted.
     pub async fn batch(&self, from: Source, bytes: Bytes) -> Result<Receipt, DoorError> {
+        static BAD: Seldom = Seldom::new();
+        let gateway = from.name.clone();
+        let taken = self.take(from, bytes).await;
+        if let Err(error) = &taken
+            && error.is_senders_fault()
+        {
+            metrics::counter!("adit_bad_batches_total").increment(1);
+            BAD.warn(format_args!("gateway {gateway:?}: a batch that is none: {error}"));
+        }
+        taken
+    }
+
+    async fn take(&self, from: Source, bytes: Bytes) -> Result<Receipt, DoorError> {
         named("gateway", &from.name)?;
         if bytes.len() > LARGEST_BATCH {
             return Err(DoorError::TooLong { found: bytes.len() });

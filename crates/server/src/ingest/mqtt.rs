@@ -2,8 +2,8 @@
 //! gateway's last will says `offline`).
 //!
 //! A message is acknowledged to the broker when the journal has it, so that the broker keeps what the server did not store. The
-//! session is kept by the broker (`clean_session = false`): what is sent while the server is away waits there. What is no batch is acknowledged, counted
-//! and logged: sent again it would be none either.
+//! session is kept by the broker (`clean_session = false`): what is sent while the server is away waits there. What is no batch is acknowledged and
+//! counted: sent again it would be none either.
 
 use super::door::{Door, DoorError, Source};
 use crate::api::{Health, Part};
@@ -150,10 +150,7 @@ async fn take(client: &AsyncClient, door: &Door, publish: Publish) {
     };
     match taken {
         Ok(()) => {}
-        Err(error) if is_senders_fault(&error) => {
-            metrics::counter!("adit_bad_batches_total").increment(1);
-            tracing::warn!("{}: {error}", publish.topic);
-        }
+        Err(error) if error.is_senders_fault() => {}
         // Not acknowledged: the broker gives it again after the next connection.
         Err(error) => {
             tracing::warn!("{}: {error}", publish.topic);
@@ -173,17 +170,13 @@ async fn store<F: Future<Output = Result<super::Receipt, DoorError>>>(
         match once().await {
             Ok(_) => return Ok(()),
             Err(error @ DoorError::NotStored(crate::journal::NotStored::Stopping)) => return Err(error),
-            Err(error) if is_senders_fault(&error) => return Err(error),
+            Err(error) if error.is_senders_fault() => return Err(error),
             Err(_) => {
                 tokio::time::sleep(wait).await;
                 wait = (2 * wait).min(RETRY.1);
             }
         }
     }
-}
-
-fn is_senders_fault(error: &DoorError) -> bool {
-    !matches!(error, DoorError::Busy | DoorError::NoAnswer | DoorError::NotStored(_))
 }
 
 enum Kind {

@@ -5,6 +5,7 @@ use super::seen::Seen;
 use super::{Journal, Position};
 use crate::api::{Health, Part};
 use crate::error::ServerError;
+use crate::seldom::Seldom;
 use adit_core::time::Time;
 use adit_tracking::{Outcome, Refused};
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,7 @@ const MOST_WAITING: usize = 8192;
 /// Entries written together.
 const MOST_TOGETHER: usize = 4096;
 /// Groups that wait for the pipeline; more hold up the writing.
-const MOST_GROUPS: usize = 4;
+const MOST_GROUPS: usize = 32;
 
 /// The batch of a gateway, by its own count.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -221,6 +222,7 @@ impl<Now: Fn() -> Time> Desk<Now> {
 
     /// Writes a group; `false` when nobody takes what is stored any more.
     fn group(&mut self, requests: &mut Vec<Request>) -> bool {
+        static FAILED: Seldom = Seldom::new();
         let arrived = (self.now)();
         let (mut entries, mut waiting, mut replies) = (Vec::new(), Vec::new(), Vec::new());
         let mut repeated = Vec::new();
@@ -263,7 +265,7 @@ impl<Now: Fn() -> Time> Desk<Now> {
                 Some(first)
             }
             Err(error) => {
-                tracing::error!("{error}");
+                FAILED.warn(&error);
                 self.health.tell(Part::Journal, Err(error.to_string()));
                 metrics::counter!("adit_journal_failures_total").increment(1);
                 let not_stored =

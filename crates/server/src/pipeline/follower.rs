@@ -132,7 +132,7 @@ impl Follower {
     pub fn kept(&self) -> Self {
         Self {
             profile: Arc::clone(&self.profile),
-            clock: self.clock.clone(),
+            clock: self.clock,
             numbers: self.numbers.clone(),
             estimator: self.estimator.clone().map(Estimator::detached),
             links: self.links.clone(),
@@ -192,9 +192,9 @@ impl Follower {
         }
         match verdict {
             Some(Verdict::OnTime(_)) => {
-                let observations = packet.observations.iter();
+                let observations = packet.observations.into_iter();
                 let upright = profile.sidecar.mounting.rotation.is_some();
-                let turned: Vec<_> = observations.map(|o| profile.sidecar.apply(o.clone())).collect();
+                let turned: Vec<_> = observations.map(|o| profile.sidecar.apply(o)).collect();
                 if let Some(motion) = motion::of_packet(turned.iter(), upright && profile.is_on_body()) {
                     let tag = tag.to_owned();
                     told.push(Input::Activity(adit_tracking::Activity { tag, time: heard, motion }));

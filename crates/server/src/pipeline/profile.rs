@@ -5,6 +5,9 @@ use adit_nlos::Model;
 use adit_observation::sidecar::{Location, Sidecar};
 use std::sync::Arc;
 
+/// A tag that has no place yet looks on the map of the radio so often, s: all the tags of a mine begin at once.
+const SCAN_REST_S: f64 = 5.0;
+
 /// How tags of one kind are followed.
 #[derive(Debug, Clone)]
 pub struct Profile {
@@ -27,6 +30,7 @@ impl Profile {
         if let Settings::Fused(fused) = &mut settings {
             // Somebody who has not walked since the tag was switched on is to be found too.
             fused.place.before_direction = true;
+            fused.place.scan_rest_s = SCAN_REST_S;
         }
         let method = settings.name().into();
         Self { name: name.into(), tags, sidecar, settings, nlos: None, method }

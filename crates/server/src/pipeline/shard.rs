@@ -2,6 +2,7 @@
 
 use super::follower::{Arrival, Follower, TagHealth};
 use super::profile::Profiles;
+use crate::seldom::Seldom;
 use adit_nlos::network::Scratch;
 use adit_observation::wire::PacketReader;
 use adit_tracking::Input;
@@ -67,6 +68,7 @@ impl Shard {
 
     /// Takes packets, in order.
     pub fn take(&mut self, jobs: Vec<Job>) -> Vec<Told> {
+        static BAD: Seldom = Seldom::new();
         let mut told = Vec::with_capacity(jobs.len());
         for Job { order, arrival, packet } in jobs {
             let mut inputs = Vec::new();
@@ -74,7 +76,7 @@ impl Shard {
                 Ok(packet) => self.follow(packet, &arrival, &mut inputs),
                 Err(error) => {
                     metrics::counter!("adit_bad_packets_total").increment(1);
-                    tracing::warn!("gateway {}: a packet that is none: {error}", arrival.gateway);
+                    BAD.warn(format_args!("gateway {:?}: a packet that is none: {error}", arrival.gateway));
                 }
             }
             told.push(Told { order, inputs });

@@ -12,6 +12,7 @@ use adit_core::time::Time;
 use futures_util::TryStreamExt as _;
 use sqlx::{Row as _, SqliteConnection};
 use std::collections::{BTreeMap, HashMap};
+use std::time::Duration;
 
 /// Fixes that make a chunk whole: twice as many are packed no better.
 const WHOLE: u32 = 1024;
@@ -21,8 +22,12 @@ const ENOUGH: usize = 512;
 const PARTS: i64 = 64;
 /// Nothing is packed before its oldest fix is so old, ms.
 const SETTLED_MS: i64 = 30_000;
-/// Recent fixes packed in one transaction.
+/// Recent fixes looked at together.
 const AT_ONCE: i64 = 400_000;
+/// About so many of them are packed in one transaction: those of some tags.
+const SLICE: i64 = 20_000;
+/// Between two transactions, so that live positions are not held up.
+const BREATH: Duration = Duration::from_millis(100);
 /// Tags whose small chunks are joined in one transaction.
 const TAGS_AT_ONCE: u32 = 64;
 
@@ -61,33 +66,64 @@ impl Store {
         if oldest.is_some_and(|oldest| oldest <= milliseconds(now).saturating_sub(SETTLED_MS)) {
             while self.pack_recent(&mut done).await? {}
         }
-        while self.join_parts(&mut done).await? {}
+        while self.join_parts(&mut done).await? {
+            tokio::time::sleep(BREATH).await;
+        }
         Ok(done)
     }
 
-    /// The oldest recent fixes into chunks; whether there are more.
+    /// The oldest recent fixes into chunks, some tags after others; whether there are more.
     async fn pack_recent(&self, done: &mut Compacted) -> Result<bool, StoreError> {
+        let (count, last): (i64, Option<i64>) = sqlx::query_as(
+            "SELECT count(*), max(seq) FROM (SELECT seq FROM fix_recent ORDER BY seq LIMIT ?1)",
+        )
+        .bind(AT_ONCE)
+        .fetch_one(self.readers())
+        .await
+        .map_err(|error| self.failed(&error))?;
+        let Some(last) = last else { return Ok(false) };
+        let slices = (count / SLICE).max(1);
+        for slice in 0..slices {
+            if slice > 0 {
+                tokio::time::sleep(BREATH).await;
+            }
+            self.pack_slice((slice, slices), last, done).await?;
+        }
+        Ok(count == AT_ONCE)
+    }
+
+    /// The fixes up to row `last` of the tags of a slice into chunks.
+    async fn pack_slice(
+        &self,
+        (slice, slices): (i64, i64),
+        last: i64,
+        done: &mut Compacted,
+    ) -> Result<(), StoreError> {
         let failed = |error: sqlx::Error| self.failed(&error);
         let mut fixes: BTreeMap<i64, Vec<PackedFix>> = BTreeMap::new();
-        let (mut count, mut last) = (0_i64, 0_i64);
+        let mut count = 0_u64;
         {
-            let mut rows = sqlx::query("SELECT * FROM fix_recent ORDER BY seq LIMIT ?1")
-                .bind(AT_ONCE)
-                .fetch(self.readers());
+            let mut rows =
+                sqlx::query("SELECT * FROM fix_recent WHERE seq <= ?1 AND tag % ?2 = ?3 ORDER BY seq")
+                    .bind(last)
+                    .bind(slices)
+                    .bind(slice)
+                    .fetch(self.readers());
             while let Some(row) = rows.try_next().await.map_err(failed)? {
                 let fix = recent_fix(&row).map_err(failed)?;
-                last = row.try_get("seq").map_err(failed)?;
                 fixes.entry(fix.tag).or_default().push(fix);
                 count += 1;
             }
         }
         if count == 0 {
-            return Ok(false);
+            return Ok(());
         }
         let newest: HashMap<i64, i64> = sqlx::query_as(
             "SELECT tag, (SELECT until_ms FROM track_chunk WHERE tag = t.tag ORDER BY from_ms DESC, until_ms DESC LIMIT 1) AS until
-             FROM track_tag t WHERE until IS NOT NULL",
+             FROM track_tag t WHERE tag % ?1 = ?2 AND until IS NOT NULL",
         )
+        .bind(slices)
+        .bind(slice)
         .fetch_all(self.readers())
         .await
         .map_err(failed)?
@@ -101,7 +137,7 @@ impl Store {
                 self.take_overlapping(*tag, first_ms, fixes, &mut replaced).await?;
             }
         }
-        let tags: Vec<i64> = fixes.keys().copied().collect();
+        let tags: Vec<i64> = fixes.keys().filter(|tag| !newest.contains_key(tag)).copied().collect();
         let chunks = self.packed_off_thread(fixes.into_values().collect(), false).await?;
         let mut transaction = self.write().await?;
         for tag in tags {
@@ -112,15 +148,17 @@ impl Store {
                 .map_err(failed)?;
         }
         replace(&replaced, &chunks, &mut transaction).await.map_err(failed)?;
-        sqlx::query("DELETE FROM fix_recent WHERE seq <= ?1")
+        sqlx::query("DELETE FROM fix_recent WHERE seq <= ?1 AND tag % ?2 = ?3")
             .bind(last)
+            .bind(slices)
+            .bind(slice)
             .execute(&mut *transaction)
             .await
             .map_err(failed)?;
         transaction.commit().await?;
-        done.fixes += count.cast_unsigned();
+        done.fixes += count;
         done.chunks += chunks.len() as u64;
-        Ok(count == AT_ONCE)
+        Ok(())
     }
 
     /// Late fixes: the chunks that they fall into are taken with them.

@@ -36,6 +36,7 @@ pub use replay::ReplayQuery;
 pub use retention::{Retained, Retention};
 pub use track::{DrawnTrack, TrackOf, TrackPage, TrackQuery};
 pub use verify::{AuditBreak, AuditQuery, AuditVerdict};
+pub(crate) use writing::Writing;
 
 use names::Names;
 use sqlx::sqlite::{

@@ -3,6 +3,7 @@
 mod account;
 mod feed;
 mod house;
+mod keeping;
 mod omlox;
 mod pages;
 mod past;

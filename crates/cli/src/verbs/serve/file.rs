@@ -9,7 +9,7 @@ use crate::radio_site;
 use adit_estimation::methods::MethodSettings;
 use adit_estimation::radio::RadioSite;
 use adit_observation::sidecar::{Location, Sidecar};
-use adit_server::api::{ApiSettings, TlsFiles};
+use adit_server::api::{ApiSettings, IpNet, TlsFiles};
 use adit_server::auth::AuthSettings;
 use adit_server::feed::FeedSettings;
 use adit_server::ingest::mqtt::MqttSettings;
@@ -69,6 +69,7 @@ struct ApiPart {
     key: Option<PathBuf>,
     open_metrics: bool,
     secure_cookies: bool,
+    trusted_proxies: Vec<IpNet>,
 }
 
 impl Default for ApiPart {
@@ -79,6 +80,7 @@ impl Default for ApiPart {
             key: None,
             open_metrics: false,
             secure_cookies: false,
+            trusted_proxies: Vec::new(),
         }
     }
 }
@@ -177,7 +179,11 @@ pub fn settings(args: &ServeArgs) -> Result<(Settings, Serving)> {
     let serving = Serving {
         listen: file.api.listen,
         tls: tls(&file.api, &folder)?,
-        api: ApiSettings { open_metrics: file.api.open_metrics, secure_cookies: file.api.secure_cookies },
+        api: ApiSettings {
+            open_metrics: file.api.open_metrics,
+            secure_cookies: file.api.secure_cookies,
+            trusted_proxies: file.api.trusted_proxies,
+        },
         auth: file.auth,
         feed: file.feed,
         shown,

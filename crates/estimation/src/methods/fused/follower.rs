@@ -48,6 +48,8 @@ const LEAST_HEIGHT_M: f64 = 0.01;
 const GAP_S: f64 = 3.5;
 /// Longest time between two moves of the place that is no hole in the log, s.
 const HOLE_S: f64 = 0.3;
+/// Within this a scan hears what the one before heard, m.
+const SPOT_M: f64 = 5.0;
 /// Speed over a gap, standard deviation, m/s.
 const GAP_SPEED_M_S: f64 = 1.0;
 
@@ -64,6 +66,9 @@ pub struct Follower {
     pub(super) estimate: Option<Estimate>,
     pub(super) search: Option<Search>,
     pub(super) searched: Option<(Time, Vector3<f64>)>,
+    /// When and where the last scan that told a position was, in the carrier's frame.
+    #[serde(default)]
+    pub(super) scanned: Option<(Time, Vector3<f64>)>,
     #[serde(default)]
     pub(super) unturned: Option<Unturned>,
     pub(super) trail: Trail,
@@ -127,6 +132,7 @@ impl Follower {
             estimate: None,
             search: None,
             searched: None,
+            scanned: None,
             unturned: None,
             trail: Trail::default(),
             waiting: Waiting::default(),
@@ -167,6 +173,13 @@ impl Follower {
         self.signals.is_some() && self.is_placed()
     }
 
+    /// Whether a scan at this time is of the same spot as the last one that told a position.
+    fn rests(&self, time: Time) -> bool {
+        let (Some((before, there_m)), Some(now)) = (self.scanned, &self.reckoned) else { return false };
+        let gone_m = (now.position_m - there_m).xy().norm();
+        (time - before).seconds() < self.params.scan_rest_s && gone_m < SPOT_M
+    }
+
     /// Takes what is not the carrier's own.
     #[inline]
     pub fn observe(&mut self, observation: &Observation, report: &mut FusedReport) {
@@ -177,11 +190,13 @@ impl Follower {
                 }
             }
             Observation::Signal(signal) => {
-                let alone = self.takes_signals_alone();
-                match &mut self.radio {
-                    Some(radio) if alone => radio.count(signal),
-                    Some(radio) => radio.observe(signal),
-                    None => {}
+                let left = self.takes_signals_alone() || self.rests(signal.time);
+                if let Some(radio) = &mut self.radio {
+                    if left {
+                        radio.count(signal);
+                    } else {
+                        radio.observe(signal);
+                    }
                 }
                 let (time, rssi_dbm) = (signal.time, signal.rssi_dbm);
                 let known = self.signals.as_ref().and_then(|signals| signals.transmitter(signal));
@@ -223,7 +238,13 @@ impl Follower {
             && !alone
         {
             while let Some(fix) = radio.due(observation.time()) {
+                let way_m = self.reckoned.as_ref().map_or_else(Vector3::zeros, |now| now.position_m);
+                self.scanned = Some((fix.time, way_m));
                 self.waiting.push(Aiding::Radio(Box::new(fix)), report);
+                if self.params.scan_rest_s > 0.0 {
+                    // Of the next scan a part may be there.
+                    radio.clear();
+                }
             }
         }
     }

@@ -2,6 +2,8 @@
 
 mod alarms;
 mod anchors;
+mod audit;
+mod backups;
 mod clock;
 mod exports;
 mod following;
@@ -9,6 +11,7 @@ mod history;
 mod live_socket;
 pub(super) mod people;
 mod replay;
+mod rules;
 mod session;
 mod site;
 pub(super) mod tags;
@@ -40,6 +43,10 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::Export, routes!(exports::alarms))
         .needs(Permission::Export, routes!(exports::attendance))
         .needs(Permission::SeeAudit, routes!(history::audit))
+        .needs(Permission::SeeAudit, routes!(audit::verification))
+        .needs(Permission::SeeLive, routes!(rules::show))
+        .needs(Permission::ManageRules, routes!(rules::put))
+        .needs(Permission::BackUp, routes!(backups::list, backups::make))
         .needs(Permission::SeeSettings, routes!(site::settings))
         .needs(Permission::SeeLive, routes!(clock::now))
         .needs(Permission::SetClock, routes!(clock::set))

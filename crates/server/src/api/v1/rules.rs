@@ -1,0 +1,31 @@
+//! The rules of alarms: from when on, how bad, how soon somebody must have seen them.
+
+use crate::api::extract::{Caller, Json};
+use crate::api::{ApiError, Context};
+use adit_tracking::{Command, Rules};
+use axum::extract::State;
+use serde_json::Value;
+use std::sync::Arc;
+
+fn in_force(context: &Context) -> Result<axum::Json<Value>, ApiError> {
+    let rules = serde_json::to_value(context.tracking().rules());
+    rules.map(axum::Json).map_err(|error| ApiError::internal(&error))
+}
+
+/// The rules in force, all of them, by section (docs/live/tracking.md).
+#[utoipa::path(get, path = "/api/v1/rules", tag = "alarms", responses((status = 200, description = "the rules", body = Object)))]
+pub(super) async fn show(State(context): State<Arc<Context>>) -> Result<axum::Json<Value>, ApiError> {
+    in_force(&context)
+}
+
+/// Puts rules in place of all that are in force, from now on and for good; a rule that is left out has its default. Answers with all of them.
+#[utoipa::path(put, path = "/api/v1/rules", tag = "alarms", request_body = Object,
+    responses((status = 200, description = "the rules now", body = Object)))]
+pub(super) async fn put(
+    State(context): State<Arc<Context>>,
+    caller: Caller,
+    Json(rules): Json<Rules>,
+) -> Result<axum::Json<Value>, ApiError> {
+    context.command(&caller, Command::SetRules { rules: Box::new(rules) }).await?;
+    in_force(&context)
+}
