@@ -275,7 +275,7 @@ impl Writer<'_> {
         let working = format!("{level}-{what}");
         let at_m = self.between(12.0, length_m - 12.0);
         let until_s = self.times.evacuation;
-        // A cage brings a score of people every minute and a half.
+        // A cage brings sixteen people every minute and a half.
         if number % 5 < 2 {
             let load = f64::from(u32::try_from(number / 40).unwrap_or(0));
             let comes_s = ((20.0 + 90.0 * load) * self.times.end / WHOLE_S).round();
