@@ -10,7 +10,8 @@ export interface Route {
 let visits = 0;
 
 function split(hash: string): Pick<Route, "view" | "id" | "query"> {
-  const [path = "", search = ""] = hash.replace(/^#\/?/, "").split("?");
+  // `#login=…` is no view: the session takes it from the address.
+  const [path = "", search = ""] = (hash.startsWith("#login=") ? "" : hash).replace(/^#\/?/, "").split("?");
   const [view = "", id] = path.split("/");
   return {
     view: view || "map",
