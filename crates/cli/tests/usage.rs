@@ -83,7 +83,9 @@ fn version_and_help_go_to_stdout() {
 
 #[test]
 fn help_reads_as_it_should() {
-    for verb in ["demo", "simulate", "track", "eval", "compare", "tune", "serve", "load", "store", "audit"] {
+    for verb in
+        ["demo", "simulate", "track", "eval", "compare", "tune", "serve", "load", "replay", "store", "audit"]
+    {
         insta::assert_snapshot!(format!("help_{verb}"), run(&[verb, "--help"]).stdout);
     }
     insta::assert_snapshot!("help", run(&["--help"]).stdout);

@@ -123,7 +123,8 @@ async fn replay(args: &ReplayArgs) -> Result<ReplayReport> {
     let sender = Sender::new(args)?;
     let mut report = ReplayReport { moved_s: shift.seconds(), log_s: length.seconds(), ..Default::default() };
     let mut log = open(args)?;
-    let progress = Progress::new("sending", Unit::Seconds, Some(length.seconds().ceil().max(0.0) as u64));
+    let progress =
+        Progress::new("sending", Unit::Seconds, u64::try_from(length.nanos() / SECOND_NS + 1).ok());
     let begin = Instant::now();
     let mut next = log.next()?;
     while let Some(observation) = next.take() {

@@ -324,3 +324,55 @@ impl Iterator for Records {
         Some(Ok((position, body.into())))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::What;
+    use adit_core::time::Time;
+
+    type Tested = Result<(), Box<dyn std::error::Error>>;
+
+    /// A file of three entries, and one of three more behind it.
+    fn two_files(folder: &Path) -> Result<(PathBuf, PathBuf), ServerError> {
+        let mut journal = Journal::open(folder, 1)?;
+        let entries: Vec<_> = (0..3).map(|n| Entry::new(Time::from_nanos(1 + n), What::Tick(()))).collect();
+        journal.append(&entries)?;
+        journal.roll()?;
+        journal.append(&entries)?;
+        Ok((journal.path(1), journal.path(4)))
+    }
+
+    fn flip(path: &Path, byte: usize) -> std::io::Result<()> {
+        let mut bytes = fs::read(path)?;
+        bytes[byte] ^= 0x10;
+        fs::write(path, bytes)
+    }
+
+    #[test]
+    fn damage_before_the_last_file_is_named_with_file_and_byte() -> Tested {
+        let folder = tempfile::tempdir()?;
+        let (first, _) = two_files(folder.path())?;
+        let record = (fs::metadata(&first)?.len() - HEAD.len() as u64) / 3;
+        let second = HEAD.len() as u64 + record;
+        flip(&first, usize::try_from(second)? + RECORD_HEAD)?;
+        let read: Vec<_> = Journal::open(folder.path(), 1)?.read_from(1)?.take(3).collect();
+        assert!(read[0].is_ok());
+        let told = read[1].as_ref().err().ok_or("read")?.to_string();
+        let expected = "a record that does not fit its CRC: the journal is damaged";
+        assert_eq!(told, format!("{}: byte {second}: {expected}", first.display()));
+        Ok(())
+    }
+
+    #[test]
+    fn the_last_file_is_cut_before_the_first_record_that_is_none() -> Tested {
+        let folder = tempfile::tempdir()?;
+        let (_, last) = two_files(folder.path())?;
+        let length = fs::metadata(&last)?.len();
+        flip(&last, usize::try_from(length)? - 1)?;
+        let journal = Journal::open(folder.path(), 1)?;
+        assert_eq!((journal.next(), journal.read_from(1)?.count()), (6, 5));
+        assert_eq!(fs::metadata(&last)?.len(), length - (length - HEAD.len() as u64) / 3);
+        Ok(())
+    }
+}

@@ -58,3 +58,21 @@ impl Devices {
 fn device(kind: DeviceKind, id: &str, up: bool, time: Time) -> Device {
     Device { kind, id: id.to_owned(), time, up }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gateway_silent_for_half_a_minute_is_down_once_and_up_when_it_is_heard() {
+        let at = |second: i64| Time::from_nanos(second * 1_000_000_000);
+        let mut devices = Devices::default();
+        assert!(devices.gateway("north", true, at(0)).is_some_and(|told| told.up));
+        assert!(devices.gateway("north", true, at(5)).is_none());
+        assert!(devices.silent(at(35)).is_empty());
+        let down = devices.silent(at(36));
+        assert_eq!(down, [device(DeviceKind::Gateway, "north", false, at(36))]);
+        assert!(devices.silent(at(37)).is_empty());
+        assert!(devices.gateway("north", true, at(40)).is_some_and(|told| told.up));
+    }
+}

@@ -132,7 +132,7 @@ impl Follower {
     pub fn kept(&self) -> Self {
         Self {
             profile: Arc::clone(&self.profile),
-            clock: self.clock.clone(),
+            clock: self.clock,
             numbers: self.numbers.clone(),
             estimator: self.estimator.clone().map(Estimator::detached),
             links: self.links.clone(),

@@ -86,7 +86,7 @@ async fn a_backup_is_a_whole_store() -> Tested {
     let folder = house.context.store.path().parent().ok_or("no folder")?.join("backups");
     let copy = Store::open(&folder.join(made.json["name"].as_str().ok_or("no name")?)).await?;
     assert_eq!(copy.check().await?, Vec::<String>::new());
-    assert_eq!(copy.applied().await? > 0, true);
+    assert!(copy.applied().await? > 0);
     let audit = house.ask("GET", "/api/v1/audit?what=backup", admin, None).await?;
     assert_eq!(audit.json[0]["detail"]["name"], made.json["name"], "{}", audit.text);
     Ok(())

@@ -33,8 +33,8 @@ impl Kind {
 /// An object.
 pub(super) type Object = Map<String, Value>;
 
-fn failed(error: sqlx::Error) -> ApiError {
-    ApiError::of_store(&StoreError::of(Path::new("omlox"), &error))
+fn failed(error: &sqlx::Error) -> ApiError {
+    ApiError::of_store(&StoreError::of(Path::new("omlox"), error))
 }
 
 async fn write(context: &Context) -> Result<Writing, ApiError> {
@@ -48,13 +48,13 @@ async fn commit(transaction: Writing) -> Result<(), ApiError> {
 /// All of a kind, by id.
 pub(super) async fn all(context: &Context, kind: Kind) -> Result<BTreeMap<String, Object>, ApiError> {
     let query = sqlx::query("SELECT id, body FROM omlox_objects WHERE collection = ?").bind(kind.name());
-    let rows = query.fetch_all(context.store.readers()).await.map_err(failed)?;
+    let rows = query.fetch_all(context.store.readers()).await.map_err(|error| failed(&error))?;
     let object = |row: &sqlx::sqlite::SqliteRow| -> Result<(String, Object), sqlx::Error> {
         let body: String = row.try_get("body")?;
         let body = serde_json::from_str(&body).map_err(|error| sqlx::Error::Decode(error.into()))?;
         Ok((row.try_get("id")?, body))
     };
-    rows.iter().map(object).collect::<Result<_, _>>().map_err(failed)
+    rows.iter().map(object).collect::<Result<_, _>>().map_err(|error| failed(&error))
 }
 
 /// Puts one in the place of what was there; false when there was none.
@@ -63,17 +63,22 @@ pub(super) async fn put(context: &Context, kind: Kind, id: &str, body: &Object) 
     let mut transaction = write(context).await?;
     let there =
         sqlx::query("SELECT 1 FROM omlox_objects WHERE collection = ? AND id = ?").bind(kind.name()).bind(id);
-    let there = there.fetch_optional(&mut *transaction).await.map_err(failed)?.is_some();
+    let there = there.fetch_optional(&mut *transaction).await.map_err(|error| failed(&error))?.is_some();
     let count: i64 = sqlx::query_scalar("SELECT count(*) FROM omlox_objects WHERE collection = ?")
         .bind(kind.name())
         .fetch_one(&mut *transaction)
         .await
-        .map_err(failed)?;
+        .map_err(|error| failed(&error))?;
     if !there && count >= MOST {
         return Err(ApiError::conflict(format!("there are {MOST} {} already", kind.name())));
     }
     let put = sqlx::query("INSERT OR REPLACE INTO omlox_objects (collection, id, body) VALUES (?, ?, ?)");
-    put.bind(kind.name()).bind(id).bind(text).execute(&mut *transaction).await.map_err(failed)?;
+    put.bind(kind.name())
+        .bind(id)
+        .bind(text)
+        .execute(&mut *transaction)
+        .await
+        .map_err(|error| failed(&error))?;
     commit(transaction).await?;
     Ok(there)
 }
@@ -83,7 +88,7 @@ pub(super) async fn remove(context: &Context, kind: Kind, id: &str) -> Result<bo
     let remove =
         sqlx::query("DELETE FROM omlox_objects WHERE collection = ? AND id = ?").bind(kind.name()).bind(id);
     let mut transaction = write(context).await?;
-    let gone = remove.execute(&mut *transaction).await.map_err(failed)?.rows_affected();
+    let gone = remove.execute(&mut *transaction).await.map_err(|error| failed(&error))?.rows_affected();
     commit(transaction).await?;
     Ok(gone > 0)
 }
@@ -92,7 +97,7 @@ pub(super) async fn remove(context: &Context, kind: Kind, id: &str) -> Result<bo
 pub(super) async fn clear(context: &Context, kind: Kind) -> Result<u64, ApiError> {
     let clear = sqlx::query("DELETE FROM omlox_objects WHERE collection = ?").bind(kind.name());
     let mut transaction = write(context).await?;
-    let gone = clear.execute(&mut *transaction).await.map_err(failed)?.rows_affected();
+    let gone = clear.execute(&mut *transaction).await.map_err(|error| failed(&error))?.rows_affected();
     commit(transaction).await?;
     Ok(gone)
 }
