@@ -9,7 +9,7 @@ import { Crowd } from "./support/crowd";
 import { stage, test } from "./support/stage";
 
 const at = stage(2000, 200, 20_000);
-const LOOK_S = Number(process.env["ADIT_LONG"] ?? 40);
+const LOOK_S = Number(process.env["ADIT_LONG"] ?? 20);
 
 interface Frames {
   count: number;

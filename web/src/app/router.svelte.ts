@@ -9,15 +9,19 @@ export interface Route {
 
 let visits = 0;
 
-function parse(hash: string): Route {
-  const [path = "", search = ""] = hash.replace(/^#\/?/, "").split("?");
+function split(hash: string): Pick<Route, "view" | "id" | "query"> {
+  // `#login=…` is no view: the session takes it from the address.
+  const [path = "", search = ""] = (hash.startsWith("#login=") ? "" : hash).replace(/^#\/?/, "").split("?");
   const [view = "", id] = path.split("/");
   return {
     view: view || "map",
     id: id ? decodeURIComponent(id) : null,
     query: Object.fromEntries(new URLSearchParams(search)),
-    visit: (visits += 1),
   };
+}
+
+function parse(hash: string): Route {
+  return { ...split(hash), visit: (visits += 1) };
 }
 
 export const route = $state<Route>(parse(location.hash));
@@ -34,6 +38,9 @@ export function go(view: string, id?: string | null, query: Record<string, strin
 /** Changes the query in place, without a step in the browser's history. */
 export function note(query: Record<string, string>): void {
   const { view, id } = route;
+  // A link was followed, and its event has not come yet: the address is not ours any more.
+  const now = split(location.hash);
+  if (now.view !== view || now.id !== id) return;
   history.replaceState(null, "", link(view, id, query));
   route.query = query;
 }

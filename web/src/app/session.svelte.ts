@@ -88,5 +88,7 @@ async function logInByAddress(): Promise<boolean> {
 
 export async function begin(): Promise<void> {
   onLoggedOut(() => (session.now = { is: "out" }));
+  // Also in a page that is open already: a password does not stay in the address.
+  addEventListener("hashchange", () => void logInByAddress());
   if (!(await logInByAddress())) await refresh();
 }
