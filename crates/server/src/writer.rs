@@ -156,7 +156,7 @@ impl Desk {
     }
 
     fn fix(&self, tracked: &TrackedFix) -> FixRecord {
-        let TrackedFix { fix, person } = tracked;
+        let TrackedFix { fix, person, zone } = tracked;
         let position_m: [f64; 3] = (*fix.position_m.raw()).into();
         FixRecord {
             person: person.clone(),
@@ -166,7 +166,7 @@ impl Desk {
             radius_95_m: fix.radius_95_m,
             quality: fix.quality,
             level: self.mine.level_at(position_m[2]).map(|level| level.id.clone()),
-            zone: None,
+            zone: zone.clone(),
         }
     }
 }

@@ -53,11 +53,7 @@ impl Tracking {
     /// A tag.
     pub fn tag(&self, id: &str) -> Option<TagView> {
         let record = self.roster.tags.get(id)?;
-        let leads = |lead: &Option<String>| lead.as_deref() == Some(id);
-        let presence = match &record.wearer {
-            None => Some(&record.presence),
-            Some(wearer) => self.roster.people.get(wearer).filter(|p| leads(&p.lead)).map(|p| &p.presence),
-        };
+        let presence = self.presence_by(record, id);
         Some(TagView {
             tag: record.tag.clone(),
             registered: record.registered,
@@ -87,6 +83,19 @@ impl Tracking {
     /// Who wears a tag now.
     pub fn wearer(&self, tag: &str) -> Option<&str> {
         self.roster.tags.get(tag)?.wearer.as_deref()
+    }
+
+    /// The zone entered last, of those that somebody followed by this tag is in.
+    pub fn zone_of(&self, tag: &str) -> Option<&str> {
+        let presence = self.presence_by(self.roster.tags.get(tag)?, tag)?;
+        Some(&presence.stays.iter().max_by_key(|stay| stay.since)?.zone)
+    }
+
+    /// The presence that a tag tells of: its own, or its wearer's where that one is followed by it.
+    fn presence_by<'a>(&'a self, record: &'a TagRecord, id: &str) -> Option<&'a Presence> {
+        let Some(wearer) = &record.wearer else { return Some(&record.presence) };
+        let person = self.roster.people.get(wearer)?;
+        (person.lead.as_deref() == Some(id)).then_some(&person.presence)
     }
 
     /// Somebody, or a tag that nobody is known to wear.

@@ -74,6 +74,7 @@ fn who_is_first_seen_in_a_zone_has_entered_it() {
     room.main(1.0, "t1", 110.0);
     let events = room.told();
     assert_eq!(moves(&events), [("restricted", true, 1.0)]);
+    assert_eq!(room.tracking.zone_of("t1"), Some("restricted"));
     assert!(events.iter().any(|event| matches!(event, Event::ZoneEntered { entry: Entry::Appeared, .. })));
     assert_eq!(room.tracking.headcount().mine.people, 1);
 }
@@ -101,6 +102,7 @@ fn nobody_leaves_before_tolerance_and_delay() {
     let [("shop", false, left_s)] = moves(&events)[..] else { unreachable!("{events:?}") };
     assert!((left_s - 33.5).abs() < TOUCH_S, "{left_s}");
     assert_eq!(count(&room, "shop"), 0);
+    assert_eq!(room.tracking.zone_of("t1"), None);
 }
 
 #[test]

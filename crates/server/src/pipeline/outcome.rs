@@ -24,6 +24,8 @@ pub struct TrackedFix {
     pub fix: Fix,
     /// Id of the person who wears it.
     pub person: Option<String>,
+    /// The zone that they entered last, of those they are in.
+    pub zone: Option<String>,
 }
 
 impl RoundOutcome {

@@ -440,7 +440,8 @@ fn hear(tracking: &mut Tracking, now: Time, input: Input, outcome: &mut RoundOut
         Ok(adit_tracking::Outcome::Done) => {
             if let Input::Fix(fix) = input {
                 let person = tracking.wearer(&fix.tag).map(ToOwned::to_owned);
-                outcome.fixes.push(TrackedFix { fix, person });
+                let zone = tracking.zone_of(&fix.tag).map(ToOwned::to_owned);
+                outcome.fixes.push(TrackedFix { fix, person, zone });
             }
         }
         Ok(adit_tracking::Outcome::Ignored(why)) => {

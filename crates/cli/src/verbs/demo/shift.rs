@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 /// Where it listens when that is free.
 const PORT: u16 = 8080;
 /// For so long the server has no power.
-const DARK: Duration = Duration::from_millis(1000);
+const DARK: Duration = Duration::from_secs(1);
 /// Between two looks at whether this machine follows.
 const LOOK: Duration = Duration::from_secs(1);
 /// So far behind, in time of the wall, for so many looks, and the clock is slowed by this.
@@ -155,20 +155,15 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 
 /// The folder of everything; a temporary one is removed at the end.
 fn folder(args: &DemoArgs) -> Result<(PathBuf, Option<tempfile::TempDir>)> {
-    match &args.out {
-        Some(out) => {
-            output::make_folder(out)?;
-            if out.join("data").exists() {
-                bail!("{}: there is a shift already; name a new folder", out.display());
-            }
-            Ok((out.clone(), None))
+    if let Some(out) = &args.out {
+        output::make_folder(out)?;
+        if out.join("data").exists() {
+            bail!("{}: there is a shift already; name a new folder", out.display());
         }
-        None => {
-            let folder =
-                tempfile::Builder::new().prefix("adit-demo-").tempdir().context("no temporary folder")?;
-            Ok((folder.path().to_path_buf(), Some(folder)))
-        }
+        return Ok((out.clone(), None));
     }
+    let folder = tempfile::Builder::new().prefix("adit-demo-").tempdir().context("no temporary folder")?;
+    Ok((folder.path().to_path_buf(), Some(folder)))
 }
 
 /// Where to listen: as asked, else at the usual port, else where it is free.
