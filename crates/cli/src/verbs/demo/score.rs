@@ -77,7 +77,7 @@ impl fmt::Display for Figures {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "tests")]
+    #![expect(clippy::unwrap_used, clippy::float_cmp, reason = "tests; these figures are exact")]
     use super::*;
 
     #[test]
