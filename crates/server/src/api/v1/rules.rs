@@ -4,7 +4,7 @@ use crate::api::extract::{Caller, Json};
 use crate::api::{ApiError, Context};
 use adit_tracking::{Command, Rules};
 use axum::extract::State;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::sync::Arc;
 
 fn in_force(context: &Context) -> Result<axum::Json<Value>, ApiError> {
@@ -24,8 +24,14 @@ pub(super) async fn show(State(context): State<Arc<Context>>) -> Result<axum::Js
 pub(super) async fn put(
     State(context): State<Arc<Context>>,
     caller: Caller,
-    Json(rules): Json<Rules>,
+    Json(sections): Json<Map<String, Value>>,
 ) -> Result<axum::Json<Value>, ApiError> {
+    // A list would be read as a section's values in their order.
+    if let Some((name, found)) = sections.iter().find(|(_, section)| !section.is_object()) {
+        return Err(ApiError::invalid(format!("{name}: found {found}, expected an object")));
+    }
+    let rules: Rules = serde_json::from_value(Value::Object(sections))
+        .map_err(|error| ApiError::invalid(error.to_string()))?;
     context.command(&caller, Command::SetRules { rules: Box::new(rules) }).await?;
     in_force(&context)
 }
