@@ -29,7 +29,7 @@ const NONE: &str = include_str!("console/none.html");
 const FOR_GOOD: &str = "public, max-age=31536000, immutable";
 
 #[derive(RustEmbed)]
-#[folder = "$CARGO_MANIFEST_DIR/../../web/dist"]
+#[folder = "../../web/dist"]
 #[allow_missing = true]
 struct Built;
 
