@@ -1,10 +1,10 @@
-//! Builds the server anew when the console was built anew.
-
-use std::path::Path;
+//! The console (`web/dist`, built by npm) goes into the library: cargo looks whether it has changed, also where there was none before.
 
 fn main() {
-    let built = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist"));
-    // A folder that is not there cannot be watched: cargo would build anew each time. Where it cannot be made, it does.
-    let _ = std::fs::create_dir_all(built);
-    println!("cargo::rerun-if-changed={}", built.display());
+    let built = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist");
+    // Of a folder that is not there cargo would think that it changes all the time.
+    if let Err(error) = std::fs::create_dir_all(built) {
+        println!("cargo:warning={built}: {error}");
+    }
+    println!("cargo:rerun-if-changed={built}");
 }

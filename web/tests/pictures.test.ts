@@ -38,7 +38,7 @@ beforeAll(async () => {
   await at.crowd.place(14, [5205, 3036, 113]);
   const load = [
     "load",
-    at.server.api,
+    at.server.url,
     "--mine",
     mine,
     "--tags",

@@ -21,12 +21,11 @@ use adit_estimation::methods::{Known, Method, MethodReport, MethodSettings, Worn
 use adit_estimation::radio::RadioSite;
 use adit_mine::Mine;
 use adit_observation::{DeviceId, Observation, Radio, RangeSample};
-use adit_simulation::people::{Belt, Body, Errand, PersonSpec, Place, PopulationSpec, Roam};
-use adit_simulation::pressure::{AirSpec, BarometerModel};
-use adit_simulation::radio::delivery::{ClockSpec, LinkSpec};
-use adit_simulation::radio::{RadioSpec, RangeDetail};
+use adit_simulation::people::{Belt, PersonSpec, Place, Roam};
+use adit_simulation::pressure::BarometerModel;
+use adit_simulation::radio::RangeDetail;
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, Workforce, WorkforceSpec};
-use adit_simulation::{Emission, Foot, IdealImu, ImuErrorModel, MagneticWorld, MagnetometerModel};
+use adit_simulation::{Emission, Foot, MagneticWorld, MagnetometerModel};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -221,45 +220,17 @@ fn two_level() -> Arc<Mine> {
 
 /// Somebody who walks about on one level.
 fn workforce(mine: &Arc<Mine>, outfit: Outfit, duration_s: f64, seed: u64) -> Arc<Workforce> {
-    let roam = Roam {
-        until_s: duration_s,
-        levels: vec!["l300".to_owned()],
-        reach_m: 300.0,
-        speed_share: [0.9, 1.1],
-        stop_share: 0.3,
-        stop_s: [5.0, 10.0],
-        work_share: 0.5,
-    };
+    let roam = Roam::on_level("l300", duration_s, 300.0, 0.3, [5.0, 10.0]);
     let start =
         Place::Roadway { id: "l300-haulage".to_owned(), along_m: 300.0 + 20.0 * seed as f64, left_m: 0.0 };
-    let errands = vec![Errand::Stand { seconds: 5.0 }, Errand::Roam(roam)];
-    let person = PersonSpec { body: Body::default(), drawn: true, start, errands };
-    let spec = WorkforceSpec {
-        duration_s,
-        population: PopulationSpec { persons: vec![person], ..PopulationSpec::default() },
-        outfit,
-        air: AirSpec::default(),
-        radio: RadioSpec::default(),
-        outages: Vec::new(),
-        conveyors_s: Vec::new(),
-        clock: ClockSpec::perfect(),
-        link: LinkSpec::perfect(),
-    };
+    let person = PersonSpec::roaming(start, 5.0, roam);
+    let spec = WorkforceSpec::undisturbed(duration_s, vec![person], outfit);
     Workforce::new(Arc::clone(mine), spec, seed).expect("a workforce")
 }
 
 fn outfit(mount: Mount) -> Outfit {
     let radio = RadioRates { scan_hz: 0.0, ranging_hz: 0.0, portal_hz: 0.0, detail: RangeDetail::Range };
-    Outfit {
-        mount,
-        ideal: IdealImu::default(),
-        imu: ImuErrorModel::mpu6050(),
-        imu_hz: IMU_HZ,
-        magnetic: None,
-        barometer: None,
-        silent_s: Vec::new(),
-        radio,
-    }
+    Outfit { imu_hz: IMU_HZ, radio, ..Outfit::plain(mount, 0.0) }
 }
 
 /// IMU and, at every tenth sample, ranges to the nearest anchors.

@@ -4,7 +4,6 @@ import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import { Front } from "./front";
 
 const repository = resolve(import.meta.dirname, "../../..");
 
@@ -27,7 +26,6 @@ async function freePort(): Promise<number> {
 
 export class Server {
   #process: ChildProcess | null = null;
-  #front: Front | null = null;
   token = "";
 
   private constructor(
@@ -49,7 +47,11 @@ export class Server {
     const server = new Server(found, folder, ["--config", settings], await freePort(), "");
     await server.up();
     await server.logIn();
-    server.#front = await Front.before(server.api);
+    const page = await (await fetch(server.url)).text();
+    if (!page.includes('id="app"')) {
+      await server.stop();
+      throw new Error(`${found} has no console in it: ci/console.sh, then cargo build`);
+    }
     return server;
   }
 
@@ -61,18 +63,9 @@ export class Server {
     return this.binary;
   }
 
-  /** Where the API answers. */
-  get api(): string {
-    return `http://127.0.0.1:${this.port}`;
-  }
-
-  /** Where the console is: the server's own where it has one, else a small front before it. */
+  /** Where the console and the API answer. */
   get url(): string {
-    return this.#front?.url ?? this.api;
-  }
-
-  get embedded(): boolean {
-    return this.#front === null;
+    return `http://127.0.0.1:${this.port}`;
   }
 
   get pid(): number {
@@ -110,7 +103,6 @@ export class Server {
   }
 
   async stop(): Promise<void> {
-    await this.#front?.close();
     await this.down("SIGKILL");
     rmSync(this.folder, { recursive: true, force: true });
   }
@@ -129,7 +121,7 @@ export class Server {
     if (body !== undefined) headers["Content-Type"] = "application/json";
     const init: RequestInit = { method, headers };
     if (body !== undefined) init.body = JSON.stringify(body);
-    const answer = await fetch(this.api + path, init);
+    const answer = await fetch(this.url + path, init);
     if (!answer.ok) throw new Error(`${method} ${path}: ${answer.status} ${await answer.text()}`);
     const text = await answer.text();
     return (text === "" ? undefined : JSON.parse(text)) as T;

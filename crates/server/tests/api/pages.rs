@@ -30,6 +30,18 @@ async fn a_page_comes_packed_to_those_who_read_gzip_and_once_to_those_who_have_i
 }
 
 #[tokio::test]
+async fn the_console_that_was_built_is_the_one_that_is_served() -> Tested {
+    let built = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist/index.html");
+    let Ok(expected) = std::fs::read_to_string(built) else {
+        println!("SKIPPED (no test data): the console, which npm builds (make console)");
+        return Ok(());
+    };
+    let house = House::new().await?;
+    assert_eq!(reqwest::get(house.url("/")).await?.text().await?, expected);
+    Ok(())
+}
+
+#[tokio::test]
 async fn other_sites_may_link_to_the_console_but_not_log_in() -> Tested {
     let house = House::new().await?;
     let client = reqwest::Client::new();

@@ -409,7 +409,9 @@ impl Follower {
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {
             Quality::Lost => Quality::Lost,
-            _ if estimate.lost || solution.radius_95_m() > self.params.lost_m => Quality::Lost,
+            _ if solution.radius_95_m() > self.params.lost_m => Quality::Lost,
+            // Off the map, but where ranges say: a chamber that the map lacks, a heading driven last week.
+            _ if estimate.lost && !ranged => Quality::Lost,
             _ if fresh => Quality::Fixed,
             _ => Quality::DeadReckoning,
         };
