@@ -25,7 +25,7 @@ use adit_simulation::people::{Belt, PersonSpec, Place, Roam};
 use adit_simulation::pressure::BarometerModel;
 use adit_simulation::radio::RangeDetail;
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, Workforce, WorkforceSpec};
-use adit_simulation::{Emission, Foot, MagneticWorld, MagnetometerModel};
+use adit_simulation::{Emission, Foot, ImuErrorModel, MagneticWorld, MagnetometerModel};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
