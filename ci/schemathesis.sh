@@ -17,7 +17,8 @@ if [ ! -x "$venv/bin/schemathesis" ]; then
     "$python" -m venv "$venv" && "$venv/bin/pip" --quiet install 'schemathesis>=4.32,<5' \
         || { echo "SKIPPED (schemathesis cannot be installed)"; exit 0; }
 fi
-cargo build --locked -p adit-server --example api_house
+# The whole workspace names the features of its dependencies, so that what the tests have built is used.
+cargo build --locked --workspace --example api_house
 
 told=$(mktemp -d)
 trap 'exec 3>&-; wait; rm -rf "$told"' EXIT

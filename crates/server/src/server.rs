@@ -1,6 +1,6 @@
 //! All parts together: one process for one mine.
 
-use crate::api::{self, ApiSettings, Context, Metrics, TlsFiles};
+use crate::api::{self, ApiSettings, Context, FenceWatch, Metrics, Proximities, TlsFiles};
 use crate::auth::{Auth, AuthSettings, WallClock};
 use crate::clock::now;
 use crate::error::ServerError;
@@ -75,6 +75,8 @@ impl Server {
             shown_settings: shown,
             clock,
             plan: PlanDesk::open(&data)?,
+            fences: FenceWatch::default(),
+            proximities: Proximities::default(),
         });
         let (stop, stopped) = oneshot::channel::<()>();
         let end = async move {

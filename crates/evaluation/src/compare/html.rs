@@ -9,15 +9,17 @@ use std::fmt::Write;
 /// The page; `paths` are truth and estimates of the first run.
 pub fn html(comparison: &Comparison, paths: &[PathCurve<'_>]) -> Result<String, EvaluationError> {
     let mut page = String::new();
-    let title = escape(&comparison.scenario);
+    let scenario = &comparison.scenario;
+    let title = escape(scenario.rsplit(['/', '\\']).next().unwrap_or(scenario));
     let methods = comparison.methods.iter().map(|(name, method)| (name, method));
     let shown: Vec<(&String, &MethodSummary)> = methods.filter(|(_, method)| method.in_figures).collect();
     // Writing to a String does not fail.
     let _ = write!(
         page,
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
-         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}body{{max-width:62rem}}</style></head><body>\n<h1>{title}</h1>\n<p>{} runs{}; aligned {}, judged {}. \
+         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}body{{max-width:72rem}}</style></head><body>\n<h1>{title}</h1>\n<p>{}: {} runs{}; aligned {}, judged {}. \
          Position and velocity errors are horizontal.</p>\n",
+        escape(scenario),
         comparison.seeds,
         comparison.first_seed.map_or_else(String::new, |seed| format!(", seeds from {seed}")),
         escape(&comparison.alignment),

@@ -10,8 +10,8 @@ body{font:0.9375rem/1.5 system-ui,-apple-system,\"Segoe UI\",\"Noto Sans\",\"Pin
 margin:0 auto;padding:1.5rem 1rem 3rem}\
 h1{font-size:1.5rem;line-height:1.25;margin:.5rem 0}h2{font-size:1.125rem;margin:2.5rem 0 .5rem}h3{font-size:.9375rem;margin:1.2rem 0 .2rem}\
 a,summary{color:var(--accent);text-decoration:none}a:hover,a:focus-visible{text-decoration:underline}\
-table{border-collapse:collapse;margin:.5rem 0;background:var(--panel);border:1px solid var(--line);border-radius:.5rem}\
-th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid var(--line);font-variant-numeric:tabular-nums}\
+table{display:block;width:max-content;max-width:100%;overflow-x:auto;border-collapse:collapse;margin:.5rem 0;background:var(--panel);border:1px solid var(--line);border-radius:.5rem}\
+th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid var(--line);font-variant-numeric:tabular-nums;white-space:nowrap}\
 tr:last-child td{border-bottom:0}th{color:var(--muted);font-weight:600;font-size:.8125rem}\
 th:first-child,td:first-child{text-align:left}\
 svg{max-width:100%;height:auto;display:block;box-sizing:border-box;background:var(--panel);border:1px solid var(--line);border-radius:.5rem}\

@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// What only a suite has.
 const OWN_STYLE: &str = "\
 body{max-width:84rem}h2{border-top:1px solid var(--line);padding-top:1rem}\
-.wide{overflow-x:auto}th,td{padding:.25rem .55rem;white-space:nowrap}\
+.wide{overflow-x:auto}th,td{padding:.25rem .55rem}\
 table.opening{font-size:.8125rem}table.opening td,table.opening th{padding:.25rem .45rem}\
 table.parts td:nth-child(2),table.parts th:nth-child(2),table.all td:nth-child(2),table.all th:nth-child(2){text-align:left;color:var(--muted)}\
 table.opening th{vertical-align:bottom}table.opening th.m{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;padding:.6rem .2rem}\

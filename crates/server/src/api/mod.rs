@@ -23,6 +23,7 @@ pub use error::{ApiError, Problem};
 pub use health::{Health, Part};
 pub use ipnet::IpNet;
 pub use metrics::Metrics;
+pub use omlox::{FenceWatch, Proximities};
 pub use openapi::document;
 pub use routes::Access;
 pub use serve::{TlsFiles, serve};
@@ -93,6 +94,10 @@ pub struct Context {
     pub clock: Clock,
     /// Changes of the plan.
     pub plan: PlanDesk,
+    /// The fences that clients of omlox have put.
+    pub fences: FenceWatch,
+    /// What clients of omlox tell of nearness.
+    pub proximities: Proximities,
 }
 
 impl Context {

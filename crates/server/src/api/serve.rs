@@ -71,6 +71,7 @@ pub async fn serve(
 ) -> Result<(), ServerError> {
     let socket = |source| ServerError::Listen { source };
     listener.set_nonblocking(true).map_err(socket)?;
+    let fences = tokio::spawn(super::omlox::watch(Arc::clone(&context)));
     let app: Router = super::router(context);
     let app = app.into_make_service_with_connect_info::<SocketAddr>();
     let handle = Handle::new();
@@ -89,6 +90,7 @@ pub async fn serve(
         None => server.serve(app).await,
     };
     stopper.abort();
+    fences.abort();
     served.map_err(socket)
 }
 

@@ -208,7 +208,12 @@ impl Feed {
             }
         }
         metrics::gauge!("adit_feed_viewers").increment(1.0);
-        Some(Viewer::new(Arc::clone(self), self.newest.subscribe(), after))
+        Some(Viewer::new(Arc::clone(self), self.newest.subscribe(), after, true))
+    }
+
+    /// A part of the server begins to watch, from now on; it is not among the viewers.
+    pub fn listen(self: &Arc<Self>) -> Viewer {
+        Viewer::new(Arc::clone(self), self.newest.subscribe(), self.newest(), false)
     }
 
     fn board(&self) -> MutexGuard<'_, Board> {

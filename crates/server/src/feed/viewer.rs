@@ -32,8 +32,9 @@ pub enum Gone {
     Stopping,
 }
 
-/// Somebody who watches; counted until dropped.
+/// Somebody who watches; counted until dropped, if at all.
 pub struct Viewer {
+    counted: bool,
     feed: Arc<Feed>,
     newest: watch::Receiver<Newest>,
     told: Newest,
@@ -43,9 +44,14 @@ pub struct Viewer {
 const AT_ONCE: usize = 64;
 
 impl Viewer {
-    pub(super) fn new(feed: Arc<Feed>, mut newest: watch::Receiver<Newest>, after: Newest) -> Self {
+    pub(super) fn new(
+        feed: Arc<Feed>,
+        mut newest: watch::Receiver<Newest>,
+        after: Newest,
+        counted: bool,
+    ) -> Self {
         newest.mark_changed();
-        Self { feed, newest, told: after }
+        Self { counted, feed, newest, told: after }
     }
 
     /// What has been told.
@@ -95,6 +101,9 @@ impl Viewer {
 
 impl Drop for Viewer {
     fn drop(&mut self) {
+        if !self.counted {
+            return;
+        }
         self.feed.viewers.fetch_sub(1, Ordering::Relaxed);
         metrics::gauge!("adit_feed_viewers").decrement(1.0);
     }

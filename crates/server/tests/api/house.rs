@@ -3,7 +3,7 @@
 use adit_core::frames::Position;
 use adit_estimation::methods::fused::FusedParams;
 use adit_observation::sidecar::Sidecar;
-use adit_server::api::{ApiSettings, Context, Health, Metrics, Part, serve};
+use adit_server::api::{ApiSettings, Context, FenceWatch, Health, Metrics, Part, Proximities, serve};
 use adit_server::auth::{Auth, AuthSettings, Grant, Role, WallClock};
 use adit_server::feed::{Feed, FeedSettings};
 use adit_server::ingest::PositionReport;
@@ -101,6 +101,8 @@ impl House {
             shown_settings: serde_json::json!({ "site": "test" }),
             clock,
             plan: PlanDesk::open(folder.path())?,
+            fences: FenceWatch::default(),
+            proximities: Proximities::default(),
         });
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let address = listener.local_addr()?;

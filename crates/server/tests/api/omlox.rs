@@ -200,3 +200,132 @@ async fn a_socket_tells_locations_motions_and_fences_to_those_who_may_know() -> 
     assert_eq!((&seen["provider_id"], &seen["crs"]), (&"t1".into(), &"EPSG:4326".into()), "{seen}");
     Ok(())
 }
+
+#[tokio::test]
+async fn a_fence_that_a_client_puts_is_watched() -> Tested {
+    let house = House::new().await?;
+    let (officer, gate, viewer) =
+        (house.token("safety-officer"), house.token("ingest"), house.token("viewer"));
+    let [x, y, z] = here(&house);
+    let ring =
+        [[x - 9.0, y - 9.0], [x + 9.0, y - 9.0], [x + 9.0, y + 9.0], [x - 9.0, y + 9.0], [x - 9.0, y - 9.0]];
+    let region = json!({ "type": "Polygon", "coordinates": [ring] });
+    let fence =
+        json!({ "id": "f1", "foreign_id": "dock", "crs": "local", "region": region, "exit_tolerance": 5.0 });
+    assert_eq!(house.ask("POST", "/v2/fences", officer, Some(fence)).await?.status, 201);
+    let bad = json!({ "id": "f2", "crs": "local", "region": { "type": "Point", "coordinates": [x, y] } });
+    let refused = house.ask("POST", "/v2/fences", officer, Some(bad)).await?;
+    assert_eq!((refused.status, refused.text.contains("radius")), (422, true), "{}", refused.text);
+
+    let mut socket = watch(&house, "/v2/ws/socket", viewer).await?;
+    let mut drawn = watch(&house, "/v2/ws/socket", viewer).await?;
+    for (socket, topic) in [(&mut socket, "fence_events"), (&mut drawn, "fence_events:geojson")] {
+        say(socket, json!({ "event": "subscribe", "topic": topic })).await?;
+    }
+    let put = async |dx: f64| -> Tested {
+        let body = json!({ "position": { "type": "Point", "coordinates": [x + dx, y, z] }, "accuracy": 0.5 });
+        assert_eq!(house.ask("PUT", "/v2/providers/t1/location", gate, Some(body)).await?.status, 204);
+        house
+            .until("/v2/providers/t1/location", "viewer", |json| {
+                json["position"]["coordinates"][0] == json!(x + dx)
+            })
+            .await?;
+        Ok(())
+    };
+    let of_fence = async |socket: &mut Socket| -> Tested<Value> {
+        loop {
+            let object = next(socket).await?["payload"][0].clone();
+            let body = if object["type"] == "Feature" { &object["properties"] } else { &object };
+            if body["fence_id"] == "f1" {
+                return Ok(object);
+            }
+        }
+    };
+    put(0.0).await?;
+    let entered = of_fence(&mut socket).await?;
+    assert_eq!(
+        (&entered["event_type"], &entered["provider_id"], &entered["foreign_id"]),
+        (&"region_entry".into(), &"t1".into(), &"dock".into()),
+        "{entered}"
+    );
+    assert_eq!(of_fence(&mut drawn).await?["geometry"], region);
+    let inside = house.ask("GET", "/v2/fences/f1/locations", viewer, None).await?.json;
+    assert_eq!(inside[0]["provider_id"], "t1", "{inside}");
+    let fences = house.ask("GET", "/v2/providers/t1/fences", viewer, None).await?.json;
+    assert!(fences.as_array().is_some_and(|all| all.iter().any(|one| one["id"] == "f1")), "{fences}");
+    // Within the tolerance, then out of it.
+    put(13.0).await?;
+    put(15.0).await?;
+    let left = of_fence(&mut socket).await?;
+    assert_eq!(
+        (&left["event_type"], &left["entry_time"]),
+        (&"region_exit".into(), &entered["entry_time"]),
+        "{left}"
+    );
+    assert!(left["exit_time"].as_str() > left["entry_time"].as_str(), "{left}");
+    assert_eq!(house.ask("GET", "/v2/fences/f1/locations", viewer, None).await?.json, json!([]));
+    assert_eq!(house.ask("DELETE", "/v2/fences/f1", officer, None).await?.status, 204);
+    put(0.0).await?;
+    assert_eq!(house.ask("GET", "/v2/fences/f1/locations", viewer, None).await?.status, 404);
+    Ok(())
+}
+
+#[tokio::test]
+async fn who_is_near_an_anchor_or_a_zone_is_there() -> Tested {
+    let house = House::new().await?;
+    let (officer, gate, viewer) =
+        (house.token("safety-officer"), house.token("ingest"), house.token("viewer"));
+    let mut socket = watch(&house, "/v2/ws/socket", viewer).await?;
+    say(&mut socket, json!({ "event": "subscribe", "topic": "proximity_updates" })).await?;
+    let anchor = &house.context.mine.plan().anchors[0];
+    let near =
+        json!({ "source": anchor.id, "provider_type": "rfid", "accuracy": 4.0, "properties": { "gate": 7 } });
+    assert_eq!(house.ask("PUT", "/v2/providers/badge/proximity", gate, Some(near)).await?.status, 204);
+    let told = next(&mut socket).await?["payload"][0].clone();
+    assert_eq!(
+        (&told["source"], &told["provider_id"], &told["properties"]["gate"], &told["provider_type"]),
+        (&json!(anchor.id), &"badge".into(), &7.into(), &"rfid".into()),
+        "{told}"
+    );
+    let there = house
+        .until("/v2/providers/badge/location", "viewer", |json| json["position"].is_object())
+        .await?
+        .json;
+    let at: [f64; 3] = (*anchor.position_m.raw()).into();
+    assert_eq!((&there["position"]["coordinates"], &there["accuracy"]), (&json!(at), &4.0.into()));
+
+    let [x, y, z] = here(&house);
+    let (earth, floor) = {
+        let body = json!({ "position": { "type": "Point", "coordinates": [x, y, z] } });
+        assert_eq!(house.ask("PUT", "/v2/providers/other/location", gate, Some(body)).await?.status, 204);
+        let path = "/v2/providers/other/location?crs=EPSG:4326";
+        let place = house.until(path, "viewer", |json| json["position"].is_object()).await?.json;
+        (place["position"].clone(), place["floor"].clone())
+    };
+    let zone = json!({ "id": "z1", "type": "rfid", "foreign_id": "reader 9", "position": earth, "radius": 6.0, "floor": floor });
+    assert_eq!(house.ask("POST", "/v2/zones", officer, Some(zone)).await?.status, 201);
+    let near = json!([{ "source": "reader 9", "provider_id": "card" }]);
+    assert_eq!(house.ask("PUT", "/v2/providers/proximities", gate, Some(near)).await?.status, 204);
+    let there =
+        house.until("/v2/providers/card/location", "viewer", |json| json["position"].is_object()).await?.json;
+    let east: Option<f64> = there["position"]["coordinates"][0].as_f64();
+    assert!(east.is_some_and(|east| (east - x).abs() < 1e-3) && there["accuracy"] == 6.0, "{there}");
+
+    for (bad, status) in [
+        (json!({ "source": "nowhere", "accuracy": 1.0 }), 404),
+        (json!({ "source": anchor.id }), 422),
+        (json!({ "source": anchor.id, "accuracy": 1.0, "provider_id": "other" }), 422),
+    ] {
+        assert_eq!(house.ask("PUT", "/v2/providers/badge/proximity", gate, Some(bad)).await?.status, status);
+    }
+
+    let path = "/v2/providers/badge/sensors";
+    assert_eq!(house.ask("GET", path, viewer, None).await?.json, json!({}));
+    for said in [json!({ "gas": { "ch4": 0.2 } }), json!({ "temperature": 21.5 })] {
+        assert_eq!(house.ask("PUT", path, gate, Some(said)).await?.status, 204);
+    }
+    let all = json!({ "gas": { "ch4": 0.2 }, "temperature": 21.5 });
+    assert_eq!(house.ask("GET", path, viewer, None).await?.json, all);
+    assert_eq!(house.ask("PUT", "/v2/providers/nobody/sensors", gate, Some(json!({}))).await?.status, 404);
+    Ok(())
+}

@@ -3,6 +3,7 @@
 use super::gateways::Target;
 use crate::output::write_file;
 use adit_server::Pace;
+use adit_tracking::rules::ContactRules;
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader};
@@ -29,6 +30,9 @@ pub struct Host {
     pub password: String,
 }
 
+/// Nothing from anywhere for so long, of the wall, is silence: at ten times real time a busy machine is late by many seconds of the mine.
+const SILENCE_WALL_S: f64 = 15.0;
+
 /// Writes mine, sidecar and settings; the path of the mine.
 pub fn write_mine(folder: &Path) -> Result<PathBuf> {
     let mine = folder.join("mine.toml");
@@ -40,13 +44,15 @@ fn write_settings(config: &Path, listen: SocketAddr, pace: Pace, sidecar: &str) 
     let folder = config.parent().unwrap_or(Path::new(""));
     write_file(&folder.join("lamp.toml"), sidecar)?;
     let Pace { wall_ns, world_ns, speed } = pace;
+    let silence_s = (SILENCE_WALL_S * speed).max(ContactRules::default().silence_after_s);
     write_file(
         config,
         &format!(
             "[site]\nname = \"demo\"\nmine = \"mine.toml\"\ndata = \"data\"\n\n\
              [api]\nlisten = \"{listen}\"\n\n\
              [pipeline]\nsnapshot_s = 10.0\n\n\
-             [[profiles]]\nname = \"lamps\"\ntags = [\"*\"]\nmethod = \"fused\"\nsidecar = \"lamp.toml\"\n\n\
+             [[profiles]]\nname = \"lamps\"\ntags = [\"*\"]\nmethod = \"fused\"\nsidecar = \"lamp.toml\"\nnlos = \"mine\"\n\n\
+             [rules.contact]\nsilence_after_s = {silence_s:?}\n\n\
              [clock]\nwall_ns = {wall_ns}\nworld_ns = {world_ns}\nspeed = {speed:?}\n"
         ),
     )

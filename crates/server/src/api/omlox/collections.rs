@@ -1,5 +1,6 @@
 //! Zones, trackables, providers, fences: listed, put, removed, all four alike.
 
+use super::fence_watch;
 use super::objects::{mine_id, of_adit};
 use super::shelf::{self, Kind, Object};
 use crate::api::extract::Caller;
@@ -17,7 +18,7 @@ pub(super) async fn all(context: &Context, kind: Kind) -> Result<BTreeMap<String
     Ok(objects)
 }
 
-async fn one(context: &Context, kind: Kind, id: &str) -> Result<Value, ApiError> {
+pub(super) async fn one(context: &Context, kind: Kind, id: &str) -> Result<Value, ApiError> {
     let mut objects = all(context, kind).await?;
     let id = known_as(&objects, id).unwrap_or_else(|| id.to_owned());
     objects.remove(&id).map(Value::Object).ok_or_else(|| unknown(kind, &id))
@@ -61,10 +62,6 @@ fn checked(
         (None, None) => uuid::Uuid::new_v4().to_string(),
     };
     if kind == Kind::Fences {
-        let region = body.get("region").and_then(|region| region.get("type")).and_then(Value::as_str);
-        if !matches!(region, Some("Point" | "Polygon")) {
-            return Err(ApiError::invalid("region: expected a Point or a Polygon of GeoJSON"));
-        }
         let local = body.get("crs").and_then(Value::as_str) == Some("local");
         if local && !body.contains_key("zone_id") {
             body.insert("zone_id".into(), json!(mine_id(&context.mine)));
@@ -90,7 +87,14 @@ async fn store(
         return Err(ApiError::invalid("expected an object"));
     };
     let (id, body) = checked(context, kind, id, body)?;
+    let fence = match kind {
+        Kind::Fences => fence_watch::watched(context, &id, &body)?,
+        _ => None,
+    };
     let replaced = shelf::put(context, kind, &id, &body).await?;
+    if let Some(fence) = fence {
+        context.fences.put(fence);
+    }
     let what = format!("omlox.{}.put", kind.name());
     context.audit(caller, &what, "done", json!({ "id": id, "replaced": replaced })).await?;
     Ok(body)
@@ -104,11 +108,17 @@ async fn take(context: &Context, caller: &Caller, kind: Kind, id: &str) -> Resul
             unknown(kind, id)
         });
     }
+    if kind == Kind::Fences {
+        context.fences.remove(id);
+    }
     context.audit(caller, &format!("omlox.{}.remove", kind.name()), "done", json!({ "id": id })).await
 }
 
 async fn take_all(context: &Context, caller: &Caller, kind: Kind) -> Result<(), ApiError> {
     let count = shelf::clear(context, kind).await?;
+    if kind == Kind::Fences {
+        context.fences.clear();
+    }
     context.audit(caller, &format!("omlox.{}.clear", kind.name()), "done", json!({ "count": count })).await
 }
 

@@ -27,19 +27,19 @@ pub(super) struct Point {
 #[derive(Debug, Deserialize, ToSchema)]
 #[schema(as = PutLocation)]
 pub(super) struct PutLocation {
-    position: Point,
-    provider_id: Option<String>,
-    timestamp_generated: Option<Timestamp>,
+    pub position: Point,
+    pub provider_id: Option<String>,
+    pub timestamp_generated: Option<Timestamp>,
     /// `local` where it is not given.
-    crs: Option<String>,
+    pub crs: Option<String>,
     /// Radius that holds it with 95 %, m.
     #[schema(minimum = 0)]
-    accuracy: Option<f64>,
+    pub accuracy: Option<f64>,
     /// 0 for the highest level, −1 for the one below.
-    floor: Option<f64>,
+    pub floor: Option<f64>,
     /// `floor`: the height counts from the floor of the level.
     #[schema(pattern = "^(floor|wgs84)$")]
-    elevation_ref: Option<String>,
+    pub elevation_ref: Option<String>,
 }
 
 impl PutLocation {

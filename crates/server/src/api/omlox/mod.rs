@@ -5,7 +5,7 @@
 //! | zone | the mine, and what clients have put |
 //! | location provider | a tag, and what clients have put |
 //! | trackable | a person, and what clients have put |
-//! | fence | a zone of adit, and what clients have put (kept, not watched) |
+//! | fence | a zone of adit, and what clients have put |
 //! | `crs` `local` | the mine's grid, m |
 //!
 //! What clients put is kept as they gave it, unknown members too, and laid over what adit says of the same id. People and zones are
@@ -13,11 +13,19 @@
 
 mod collections;
 mod crs;
+mod fence_event;
+mod fence_watch;
+mod fencing;
 mod location;
 mod objects;
 mod places;
+mod proximity;
 mod shelf;
 mod socket;
+
+pub use fence_watch::FenceWatch;
+pub(super) use fence_watch::watch;
+pub use proximity::Proximities;
 
 use super::routes::Routes;
 use crate::auth::Permission;
@@ -54,5 +62,10 @@ pub(super) fn mount(routes: Routes) -> Routes {
         .needs(Permission::SeeLive, routes!(places::fence_providers))
         .needs(Permission::SeeLive, routes!(places::fence_trackables))
         .needs(Permission::SeeLive, routes!(places::fence_motions))
+        .needs(Permission::Ingest, routes!(proximity::put_proximity))
+        .needs(Permission::Ingest, routes!(proximity::put_proximities))
+        .needs(Permission::SeeLive, routes!(proximity::provider_sensors))
+        .needs(Permission::Ingest, routes!(proximity::put_sensors))
+        .needs(Permission::SeeLive, routes!(proximity::trackable_sensors))
         .needs_inside(Permission::SeeLive, routes!(socket::watch))
 }

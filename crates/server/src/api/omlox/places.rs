@@ -4,7 +4,7 @@ use super::collections::{self, unknown};
 use super::crs::Crs;
 use super::location::{Of, PutLocation, feature, location, motion};
 use super::objects::{fence, fence_id, mine_id, uuid_of};
-use super::shelf::Kind;
+use super::shelf::{self, Kind};
 use crate::api::extract::{Json, Path, Query};
 use crate::api::{ApiError, Context};
 use adit_tracking::Subject;
@@ -106,7 +106,7 @@ fn person_of(context: &Context, id: &str) -> Option<adit_tracking::view::PersonV
 }
 
 /// Tags of a trackable: of a person, or those that a client has put.
-async fn providers_of(context: &Context, id: &str) -> Result<Vec<String>, ApiError> {
+pub(super) async fn providers_of(context: &Context, id: &str) -> Result<Vec<String>, ApiError> {
     if let Some(view) = person_of(context, id) {
         return Ok(view.tags);
     }
@@ -130,14 +130,15 @@ fn zone_of(context: &Context, id: &str) -> Option<ZoneView> {
     })
 }
 
-/// Who is in a fence; nobody in one that a client has put.
+/// Who is in a fence.
 async fn in_fence(context: &Context, id: &str) -> Result<Vec<Found>, ApiError> {
-    let Some(zone) = zone_of(context, id) else {
-        let fences = collections::all(context, Kind::Fences).await?;
-        return if fences.contains_key(id) { Ok(Vec::new()) } else { Err(unknown(Kind::Fences, id)) };
+    let inside = match zone_of(context, id) {
+        Some(zone) => zone.inside.into_iter().collect(),
+        None if collections::all(context, Kind::Fences).await?.contains_key(id) => context.fences.inside(id),
+        None => return Err(unknown(Kind::Fences, id)),
     };
     let tracking = context.tracking();
-    let found = zone.inside.into_iter().filter_map(|subject| {
+    let found = inside.into_iter().filter_map(|subject| {
         let last_known = tracking.live(&subject)?.last_known?;
         Some(Found { subject, last_known })
     });
@@ -145,10 +146,16 @@ async fn in_fence(context: &Context, id: &str) -> Result<Vec<Found>, ApiError> {
 }
 
 /// Fences that somebody is in.
-fn fences_of(context: &Context, subject: &Subject) -> axum::Json<Value> {
+async fn fences_of(context: &Context, subject: &Subject) -> Result<axum::Json<Value>, ApiError> {
     let zones = context.tracking().zones();
     let inside = zones.iter().filter(|view| view.inside.contains(subject));
-    axum::Json(inside.map(|view| fence(&context.mine, &view.live)).collect())
+    let mut fences: Vec<Value> = inside.map(|view| fence(&context.mine, &view.live)).collect();
+    let of_clients = context.fences.of(subject);
+    if !of_clients.is_empty() {
+        let mut put = shelf::all(context, Kind::Fences).await?;
+        fences.extend(of_clients.iter().filter_map(|id| put.remove(id)).map(Value::Object));
+    }
+    Ok(axum::Json(Value::Array(fences)))
 }
 
 /// The last location of a provider.
@@ -210,7 +217,7 @@ pub(super) async fn provider_fences(
     Path(id): Path<String>,
 ) -> Result<axum::Json<Value>, ApiError> {
     let view = context.tracking().tag(&id).ok_or_else(|| unknown(Kind::Providers, &id))?;
-    Ok(fences_of(&context, &subject_of(&id, view.person)))
+    fences_of(&context, &subject_of(&id, view.person)).await
 }
 
 /// The trackables that a provider is of.
@@ -304,7 +311,10 @@ pub(super) async fn trackable_fences(
     Path(id): Path<String>,
 ) -> Result<axum::Json<Value>, ApiError> {
     let newest = of_trackable(&context, &id).await?.into_iter().next();
-    Ok(newest.map_or_else(|| axum::Json(json!([])), |found| fences_of(&context, &found.subject)))
+    match newest {
+        Some(found) => fences_of(&context, &found.subject).await,
+        None => Ok(axum::Json(json!([]))),
+    }
 }
 
 /// The locations of all who are in a fence.

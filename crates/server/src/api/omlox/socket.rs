@@ -1,17 +1,18 @@
 //! The WebSocket of omlox.
 //!
 //! Who watches is told by the header `Authorization` or by `token` in the query when it opens, or by `token` in the `params` of a message. A socket whose
-//! client has not said who it is within [`WHO`] is closed. `collision_events` and `proximity_updates` can be subscribed to; adit makes none.
+//! client has not said who it is within [`WHO`] is closed. `collision_events` can be subscribed to; adit makes none.
 
 use super::crs::Crs;
+use super::fence_event;
+use super::fencing::Crossing;
 use super::location::{Of, PutLocation, feature, location, motion};
-use super::objects::{fence_id, trackable_of, uuid_of};
 use crate::api::extract::Query;
 use crate::api::socket::{Closed, MESSAGE_LIMIT, Writer, checks, full, still};
-use crate::api::{ApiError, Context, Timestamp};
+use crate::api::{ApiError, Context};
 use crate::auth::{Permission, Principal};
-use crate::feed::{Moved, News, Told, Viewer};
-use adit_tracking::{Event, Subject};
+use crate::feed::{Gone, Moved, News, Viewer};
+use adit_tracking::Event;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade, rejection::WebSocketUpgradeRejection};
 use axum::extract::{Extension, State};
 use axum::response::Response;
@@ -20,6 +21,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::sync::broadcast::error::RecvError;
 use utoipa::IntoParams;
 
 /// How long a client has to say who it is.
@@ -71,6 +73,7 @@ enum Topic {
     Locations,
     Fences,
     Motions,
+    Proximities,
     /// Told by nobody in adit.
     Silent,
 }
@@ -112,6 +115,8 @@ impl Client {
         let (sink, mut messages) = socket.split();
         let mut writer = Writer::new(sink, self.context.feed.settings().write_timeout_s);
         let mut checks = checks();
+        let (mut crossings, mut proximities) =
+            (self.context.fences.crossings(), self.context.proximities.subscribe());
         let who = tokio::time::sleep(WHO);
         tokio::pin!(who);
         let why = loop {
@@ -119,6 +124,14 @@ impl Client {
                 news = viewer.news() => match news {
                     Ok(news) => self.tell(&news, &mut writer).await,
                     Err(gone) => Err(gone.into()),
+                },
+                crossing = crossings.recv() => match crossing {
+                    Ok(crossing) => self.tell_crossing(&crossing, &mut writer).await,
+                    Err(missed) => Err(gone(&missed)),
+                },
+                proximity = proximities.recv() => match proximity {
+                    Ok(proximity) => self.tell_proximity(&proximity, &mut writer).await,
+                    Err(missed) => Err(gone(&missed)),
                 },
                 message = messages.next() => match message {
                     Some(Ok(Message::Text(text))) => {
@@ -236,8 +249,10 @@ impl Client {
             match news {
                 News::Events(events) if subscription.topic == Topic::Fences => {
                     for told in events.iter().filter(|told| is_of_fences(&told.event)) {
-                        let text =
-                            told.texts.get(&subscription.form, || self.fence_event(subscription, told));
+                        let text = told.texts.get(&subscription.form, || {
+                            let event = fence_event::of_zone(&self.context, told, subscription.geojson);
+                            message(&subscription.name, event.as_slice())
+                        });
                         writer.text(text).await?;
                     }
                 }
@@ -254,6 +269,21 @@ impl Client {
         Ok(())
     }
 
+    async fn tell_crossing(&self, crossing: &Crossing, writer: &mut Writer) -> Result<(), Closed> {
+        for subscription in self.subscriptions.iter().filter(|it| it.topic == Topic::Fences) {
+            let event = fence_event::of_client(crossing, subscription.geojson);
+            writer.text(message(&subscription.name, &[event]).into()).await?;
+        }
+        Ok(())
+    }
+
+    async fn tell_proximity(&self, proximity: &Value, writer: &mut Writer) -> Result<(), Closed> {
+        for subscription in self.subscriptions.iter().filter(|it| it.topic == Topic::Proximities) {
+            writer.text(message(&subscription.name, std::slice::from_ref(proximity)).into()).await?;
+        }
+        Ok(())
+    }
+
     fn places(&self, subscription: &Subscription, moved: &[Arc<Moved>]) -> String {
         let objects = moved.iter().filter_map(|moved| {
             let of = Of { subject: &moved.subject, last_known: &moved.last_known };
@@ -264,48 +294,6 @@ impl Client {
             Some(if subscription.geojson { feature(location) } else { location })
         });
         message(&subscription.name, &objects.collect::<Vec<_>>())
-    }
-
-    fn fence_event(&self, subscription: &Subscription, told: &Told) -> String {
-        let (event_type, zone, subject, entry, exit) = match &told.event {
-            Event::ZoneEntered { zone, subject, time, .. } => {
-                ("region_entry", zone, subject, Some(*time), None)
-            }
-            Event::ZoneLeft { zone, subject, entered, time, .. } => {
-                ("region_exit", zone, subject, Some(*entered), Some(*time))
-            }
-            _ => return String::new(),
-        };
-        let (run, number) = (self.context.feed.run(), told.number);
-        let mut body = json!({
-            "id": uuid_of("event", &format!("{run}:{number}")), "fence_id": fence_id(zone), "foreign_id": zone,
-            "event_type": event_type, "properties": { "zone": zone },
-        });
-        match (subject, trackable_of(subject)) {
-            (Subject::Person(person), Some(trackable)) => {
-                body["trackable_id"] = json!(trackable);
-                body["properties"]["person"] = json!(person);
-            }
-            (Subject::Tag(tag) | Subject::Person(tag), _) => body["provider_id"] = json!(tag),
-        }
-        for (name, time) in [("entry_time", entry), ("exit_time", exit)] {
-            if let Some(time) = time {
-                body[name] = json!(Timestamp(time));
-            }
-        }
-        let body = if subscription.geojson {
-            let geometry = self.region(zone);
-            json!({ "type": "Feature", "geometry": geometry, "properties": body })
-        } else {
-            body
-        };
-        message(&subscription.name, &[body])
-    }
-
-    fn region(&self, zone: &str) -> Value {
-        let view = self.context.tracking().zone(zone);
-        let fence = view.map(|view| super::objects::fence(&self.context.mine, &view.live));
-        fence.map_or(Value::Null, |mut fence| fence["region"].take())
     }
 }
 
@@ -330,9 +318,18 @@ fn topic(name: &str) -> Result<(Topic, bool), Wrong> {
         "fence_events" => Ok((Topic::Fences, false)),
         "fence_events:geojson" => Ok((Topic::Fences, true)),
         "trackable_motions" => Ok((Topic::Motions, false)),
-        "collision_events" | "proximity_updates" => Ok((Topic::Silent, false)),
+        "proximity_updates" => Ok((Topic::Proximities, false)),
+        "collision_events" => Ok((Topic::Silent, false)),
         other => Err(Wrong(UNKNOWN_TOPIC, format!("no topic {other:?}"))),
     }
+}
+
+/// A client that is so slow that something was left out is sent away.
+fn gone(missed: &RecvError) -> Closed {
+    Closed::Feed(match missed {
+        RecvError::Lagged(_) => Gone::EventsMissed,
+        RecvError::Closed => Gone::Stopping,
+    })
 }
 
 fn is_of_fences(event: &Event) -> bool {
