@@ -12,12 +12,14 @@
 //! the second moment, about the place told, of a uniform distribution over the width, weighed by how well that place and this can be told apart by ranges to the anchors a, each counted once however
 //! often it was heard. The filter itself, and so the place, is as without.
 //!
-//! **Limits.** Only on a roadway: in chambers, and where there is no map, nothing says how far somebody can be aside.
+//! In a chamber y is any direction on the floor, up to 4 m, and v that of the direction in which it is largest.
+//!
+//! **Limits.** Where there is no map nothing says how far somebody can be aside.
 
 use super::follower::Follower;
 use crate::place::bank::Estimate;
 use crate::place::roadways::Piece;
-use adit_core::nalgebra::{Matrix3, Vector2, Vector3};
+use adit_core::nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use adit_core::time::{Interval, Time};
 use serde::{Deserialize, Serialize};
 
@@ -27,11 +29,14 @@ const LATELY: Interval = Interval::from_nanos(5_000_000_000);
 const ANCHORS: usize = 8;
 /// Places from wall to wall.
 const PLACES: u32 = 17;
+/// In a chamber: so many places to each side, and how far one is from the next, m.
+const ASIDE: i32 = 8;
+const STEP_M: f64 = 0.5;
 
 /// Variance across.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Across {
-    /// Unit vector across the roadway.
+    /// Unit vector across the roadway; in a chamber in whichever direction least is known.
     left: Vector2<f64>,
     /// About the place told, m².
     variance_m2: f64,
@@ -51,7 +56,6 @@ impl Across {
 impl Follower {
     /// How far across its roadway a place may be; `None` off the roadways, and where no anchor was heard lately.
     pub(super) fn across(&self, estimate: &Estimate, now: Time) -> Option<Across> {
-        let piece = self.bank.piece_of(estimate.place)?;
         let known = self.ranges.as_ref()?.anchors();
         let mut anchors_m = [Vector3::zeros(); ANCHORS];
         let mut count = 0;
@@ -61,35 +65,65 @@ impl Follower {
             *slot = anchor.position_m;
             count += 1;
         }
+        let (place_m, anchors_m) = (&estimate.position_m, &anchors_m[..count]);
         let sigma_m = self.params.lasting_sigma_m;
-        let variance_m2 = variance_across(piece, &estimate.position_m, &anchors_m[..count], sigma_m)?;
+        if anchors_m.is_empty() || sigma_m <= 0.0 {
+            return None;
+        }
+        if let Some(room) = self.bank.chamber_of(estimate.place) {
+            return Some(in_chamber(|there_m| room.contains(there_m), place_m, anchors_m, sigma_m));
+        }
+        let piece = self.bank.piece_of(estimate.place)?;
+        let variance_m2 = variance_across(piece, place_m, anchors_m, sigma_m);
         Some(Across { left: piece.left(), variance_m2 })
     }
 }
 
 /// Second moment about a place, m², of where else across a roadway somebody may be for all that ranges to these anchors tell, each wrong by `sigma_m`.
-fn variance_across(
-    piece: &Piece,
-    place_m: &Vector3<f64>,
-    anchors_m: &[Vector3<f64>],
-    sigma_m: f64,
-) -> Option<f64> {
-    if anchors_m.is_empty() || sigma_m <= 0.0 {
-        return None;
-    }
+fn variance_across(piece: &Piece, place_m: &Vector3<f64>, anchors_m: &[Vector3<f64>], sigma_m: f64) -> f64 {
     let (left, half_m) = (piece.left().push(0.0), piece.half_width_m);
     let left_m = piece.on(&place_m.xy()).left_m;
     let (mut sum, mut square) = (0.0, 0.0);
     for number in 0..PLACES {
         let aside_m = half_m * (2.0 * f64::from(number) / f64::from(PLACES - 1) - 1.0) - left_m;
         let there_m = place_m + left * aside_m;
-        let apart = |anchor_m: &Vector3<f64>| (there_m - anchor_m).norm() - (place_m - anchor_m).norm();
-        let misfit: f64 = anchors_m.iter().map(apart).map(|apart_m| apart_m * apart_m).sum();
-        let weight = libm::exp(-0.5 * misfit / (sigma_m * sigma_m));
+        let weight = alike([place_m, &there_m], anchors_m, sigma_m);
         sum += weight;
         square += weight * aside_m * aside_m;
     }
-    (sum > 0.0).then(|| square / sum)
+    // The nearest of the places is a fraction of a metre away: it weighs something.
+    square / sum.max(f64::MIN_POSITIVE)
+}
+
+/// The same in a chamber, in the direction in which it is largest.
+fn in_chamber(
+    contains: impl Fn(&Vector2<f64>) -> bool,
+    place_m: &Vector3<f64>,
+    anchors_m: &[Vector3<f64>],
+    sigma_m: f64,
+) -> Across {
+    let (mut sum, mut moment) = (1.0, Matrix2::zeros());
+    for (column, row) in (-ASIDE..=ASIDE).flat_map(|column| (-ASIDE..=ASIDE).map(move |row| (column, row))) {
+        let aside = Vector2::new(f64::from(column), f64::from(row)) * STEP_M;
+        if (column, row) == (0, 0) || !contains(&(place_m.xy() + aside)) {
+            continue;
+        }
+        let weight = alike([place_m, &(place_m + aside.push(0.0))], anchors_m, sigma_m);
+        sum += weight;
+        moment += aside * aside.transpose() * weight;
+    }
+    let (a, b, c) = (moment[(0, 0)], moment[(0, 1)], moment[(1, 1)]);
+    let half_gap = libm::hypot(0.5 * (a - c), b);
+    // Of a symmetric matrix: the angle of the major axis, and its variance.
+    let (sin, cos) = libm::sincos(0.5 * libm::atan2(2.0 * b, a - c));
+    Across { left: Vector2::new(cos, sin), variance_m2: (0.5 * (a + c) + half_gap) / sum }
+}
+
+/// How well ranges to these anchors, each wrong by `sigma_m`, fit two places alike: 1 where they cannot tell them apart.
+fn alike([here_m, there_m]: [&Vector3<f64>; 2], anchors_m: &[Vector3<f64>], sigma_m: f64) -> f64 {
+    let apart = |anchor_m: &Vector3<f64>| (there_m - anchor_m).norm() - (here_m - anchor_m).norm();
+    let misfit: f64 = anchors_m.iter().map(apart).map(|apart_m| apart_m * apart_m).sum();
+    libm::exp(-0.5 * misfit / (sigma_m * sigma_m))
 }
 
 #[cfg(test)]
@@ -107,7 +141,7 @@ mod tests {
 
     fn variance(place: [f64; 3], anchors: &[[f64; 3]]) -> f64 {
         let anchors: Vec<Vector3<f64>> = anchors.iter().map(|anchor| Vector3::from(*anchor)).collect();
-        variance_across(&roadway(), &Vector3::from(place), &anchors, 0.25).unwrap()
+        variance_across(&roadway(), &Vector3::from(place), &anchors, 0.25)
     }
 
     #[test]
