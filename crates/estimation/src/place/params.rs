@@ -21,6 +21,9 @@ pub struct PlaceParams {
     /// What the variance of a place that ranges hold is multiplied by when it is told: what they have in common for longer than the times above is not in it. Found over the
     /// scenarios (docs/methods/fused.md).
     pub stated_by_ranges: f64,
+    /// What a range errs for as long as somebody stays, root mean square, m: a trunk in the way, echoes, the anchor's own delay. Of where somebody is across a roadway the
+    /// ranges of an anchor tell no more than one of this error does.
+    pub lasting_sigma_m: f64,
     /// What all ranges read too long, standard deviation, m.
     pub common_offset_sigma_m: f64,
     /// By how much ranges are stamped late, standard deviation, s.
@@ -93,6 +96,7 @@ impl Default for PlaceParams {
             passing_s: 0.7,
             blocked_s: 3.0,
             stated_by_ranges: 2.0,
+            lasting_sigma_m: 0.25,
             common_offset_sigma_m: 0.05,
             clock_sigma_s: 0.05,
             hearing_sigma_db: 6.0,
@@ -193,6 +197,7 @@ impl PlaceParams {
             ("place.passing_s", positive(self.passing_s)),
             ("place.blocked_s", positive(self.blocked_s)),
             ("place.stated_by_ranges", positive(self.stated_by_ranges)),
+            ("place.lasting_sigma_m", not_negative(self.lasting_sigma_m)),
             ("place.common_offset_sigma_m", not_negative(self.common_offset_sigma_m)),
             ("place.clock_sigma_s", not_negative(self.clock_sigma_s)),
             ("place.hearing_sigma_db", not_negative(self.hearing_sigma_db)),

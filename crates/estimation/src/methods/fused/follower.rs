@@ -7,6 +7,7 @@
 //!
 //! Before the first position the carrier walks in a frame of its own; where its direction on the map is unknown, the first positions against its way tell it (`pdr::search`).
 
+use super::across::Across;
 use super::aiding::{Aiding, Waiting};
 use super::carrier::Carrier;
 use super::ears::Ears;
@@ -64,6 +65,9 @@ pub struct Follower {
     pub(super) bank: Bank,
     /// What it says, until it moves.
     pub(super) estimate: Option<Estimate>,
+    /// How far across its roadway that may be.
+    #[serde(default)]
+    across: Option<Across>,
     pub(super) search: Option<Search>,
     pub(super) searched: Option<(Time, Vector3<f64>)>,
     /// When and where the last scan that told a position was, in the carrier's frame.
@@ -130,6 +134,7 @@ impl Follower {
             mounted: carrier.is_mounted(params),
             bank: Bank::new(bank_params(params, carrier), roadways(params)),
             estimate: None,
+            across: None,
             search: None,
             searched: None,
             scanned: None,
@@ -389,6 +394,7 @@ impl Follower {
         }
         if self.estimate.is_none() {
             self.estimate = self.bank.estimate();
+            self.across = self.estimate.and_then(|estimate| self.across(&estimate, now.time));
         }
         let (Some(estimate), Some(best)) = (self.estimate, self.bank.best()) else { return Ok(None) };
         let state = &best.state;
@@ -404,7 +410,11 @@ impl Follower {
         solution.covariance.fixed_view_mut::<9, 3>(0, 0).fill(0.0);
         let ranged = self.ranged_until.is_some_and(|until| now.time <= until);
         let stated = if ranged { self.params.stated_by_ranges } else { 1.0 };
-        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&(estimate.covariance_m2 * stated));
+        let mut place_m2 = estimate.covariance_m2 * stated;
+        if let Some(across) = &self.across {
+            across.widen(&mut place_m2);
+        }
+        solution.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&place_m2);
         solution.covariance[(8, 8)] = state.direction_rad2();
         let fresh = self.held_until.is_some_and(|until| now.time <= until);
         solution.quality = match now.quality {

@@ -16,6 +16,7 @@
 //!
 //! Frames: the mine's grid where something tells of it (anchors, transmitters, portals, a start), else the carrier's own.
 
+mod across;
 mod aiding;
 mod carrier;
 mod ears;

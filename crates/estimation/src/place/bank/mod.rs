@@ -23,7 +23,7 @@ mod mixture;
 pub use hypothesis::{Hypothesis, Place};
 pub use mixture::Estimate;
 
-use super::roadways::Roadways;
+use super::roadways::{Piece, Roadways, Room};
 use super::smoother::{Recorder, Segment};
 use super::state::{EAST, FACTOR, HEADING, NORTH, Seen, State, Stretch, Taken, UP};
 use adit_core::nalgebra::{Vector2, Vector3};
@@ -287,6 +287,18 @@ impl Bank {
     /// No hypothesis on the map fits: somebody is off it, or the bank has just been opened again.
     pub fn is_lost(&self) -> bool {
         self.lost
+    }
+
+    /// The piece of roadway that a place is on, if on any.
+    pub fn piece_of(&self, place: Place) -> Option<&Piece> {
+        let Place::Piece(index) = place else { return None };
+        self.roadways.as_deref()?.piece(index)
+    }
+
+    /// The chamber that a place is in, if in any.
+    pub fn chamber_of(&self, place: Place) -> Option<&Room> {
+        let Place::Chamber(index) = place else { return None };
+        self.roadways.as_deref()?.chamber(index)
     }
 
     /// Bytes that it takes, without the roadways.

@@ -49,6 +49,12 @@ impl Piece {
         })
     }
 
+    /// A piece that leads nowhere else, of this half width, m.
+    #[cfg(test)]
+    pub fn between(ends: [Vector3<f64>; 2], half_width_m: f64) -> Option<Self> {
+        Self::new(ends, [0, 1], (half_width_m, 3.0))
+    }
+
     /// Unit vector to its left.
     pub fn left(&self) -> Vector2<f64> {
         Vector2::new(-self.direction.y, self.direction.x)
