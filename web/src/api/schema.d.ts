@@ -248,6 +248,11 @@ export interface components {
             clock_shift_s: number;
             /** @description Packets and observations: taken, repeated, late, refused; fixes told. */
             counts: unknown;
+            /** @description Whom the tag heard in its last minute, or who heard it, by name; at most 16. */
+            heard: components["schemas"]["HeardSource"][];
+            innovations?: null | components["schemas"]["Innovations"];
+            /** @description Whether ranges are judged for line of sight, as its profile has it. */
+            judged: boolean;
             /** @description The last error of the method. */
             last_error?: string | null;
             /** @description Name of the method. */
@@ -256,9 +261,25 @@ export interface components {
             method_report: unknown;
             /** @description Name of its profile in the settings. */
             profile: string;
+            /** @description What the tag sends. */
+            sensors: components["schemas"]["SensorRate"][];
             /** @description The tag. */
             tag: string;
         };
+        HeardSource: {
+            anchor?: string | null;
+            innovation?: null | components["schemas"]["Innovation"];
+            kind: string;
+            line_of_sight?: number | null;
+            range_m?: number | null;
+            rssi_dbm?: number | null;
+            source: string;
+            time: string;
+        };
+        Innovation: { believed: boolean; nis: number; residual: number; time: string };
+        InnovationBin: { count: number; mean_nis?: number | null; outliers: number };
+        Innovations: { bin_s: number; bins: components["schemas"]["InnovationBin"][]; until: string };
+        SensorRate: { kind: string; per_s: number };
         /**
          * @description What a session or a token is good for.
          * @enum {string}
@@ -485,6 +506,14 @@ export interface components {
             /** @description Ids of the levels to leave; the whole mine where it is empty. */
             levels?: string[];
             note?: string;
+        };
+        Verification: {
+            anchor: string;
+            broken?: string | null;
+            head: string;
+            rows: number;
+            sound: boolean;
+            too_old: string[];
         };
         /** @description A zone that somebody is in. */
         Stay: {
