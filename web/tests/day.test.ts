@@ -7,7 +7,7 @@ import type { Mine, Point3 } from "../src/api/types";
 
 const at = stage(2, 2);
 const FIXES = Number(process.env["ADIT_DAY"] ?? 86_400);
-const BATCH = 4000;
+const BATCH = 500;
 
 /** Up and down the roadways of a level at 1.2 m/s, with a metre of noise; half of each hour at work on one spot. */
 function* walk(mine: Mine): Generator<Point3> {

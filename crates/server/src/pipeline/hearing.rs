@@ -254,7 +254,8 @@ fn bin_of(time: Time) -> i64 {
 }
 
 fn slot(bin: i64) -> usize {
-    usize::try_from(bin.rem_euclid(BINS as i64)).unwrap_or_default()
+    let bins = i64::try_from(BINS).unwrap_or(i64::MAX);
+    usize::try_from(bin.rem_euclid(bins)).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -264,8 +265,8 @@ mod tests {
     use adit_core::nalgebra::Vector3;
     use adit_observation::{AccelerationSample, Radio, SignalStrength};
 
+    #[expect(clippy::cast_possible_truncation, reason = "tests: some thousand seconds")]
     fn at(seconds: f64) -> Time {
-        #[expect(clippy::cast_possible_truncation, reason = "tests")]
         Time::from_nanos(1_795_000_000_000_000_000 + (seconds * 1e9) as i64)
     }
 
@@ -357,7 +358,7 @@ mod tests {
     #[test]
     fn it_takes_a_kilobyte_and_comes_back_from_a_snapshot_as_it_was() {
         let mut hearing = Hearing::default();
-        for second in 0..100 {
+        for second in 0..100_i32 {
             take(&mut hearing, &signal(&format!("x{}", second % 30), f64::from(second), -50.0));
             hearing.weigh(Sums {
                 nis: f64::from(second),
