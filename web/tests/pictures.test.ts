@@ -118,6 +118,8 @@ for (const theme of ["dark", "light"] as const) {
       if (name === "alarms") await page.locator("table a").first().click();
       if (name === "replay") await page.getByRole("button", { name: "To the last alarm" }).click();
       if (name === "people") await page.waitForSelector("tbody tr");
+      // The whole of the page: innovations and anchors stand below the figures.
+      await page.setViewportSize({ width: 1280, height: name.startsWith("person") ? 1400 : 800 });
       if (name === "tokens") await page.getByRole("tab", { name: /tokens/ }).click();
       await page.waitForTimeout(300);
       if (theme === "dark") await picture(page, name);
