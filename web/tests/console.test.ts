@@ -7,7 +7,19 @@ import { personName, press, tagId } from "./support/crowd";
 import { stage, test } from "./support/stage";
 
 const at = stage(24, 20);
-const VIEWS = ["map", "alarms", "evacuation", "people", "replay", "attendance", "radio", "editor", "settings"] as const;
+const VIEWS = [
+  "map",
+  "alarms",
+  "evacuation",
+  "people",
+  "replay",
+  "attendance",
+  "radio",
+  "editor",
+  "users",
+  "audit",
+  "settings",
+] as const;
 
 test("every view opens in both languages, in the words of the dictionary", async () => {
   for (const [language, words] of [

@@ -8,6 +8,7 @@
 //! - [`place`]: what dead reckoning cannot observe, held by everything else: hypotheses of place, heading and scale.
 //! - [`radio`]: position from signal strengths and round-trip ranges.
 //! - [`ranging`]: position in space from ranges to anchors, as UWB measures them.
+//! - [`weighed`]: the last innovation of each anchor and transmitter.
 //! - [`methods`]: the published systems and adit's own, each readable whole in one file.
 //!
 //! Everything takes one observation at a time in bounded memory and is `no_std` + `alloc`.
@@ -25,3 +26,4 @@ pub mod place;
 pub mod radio;
 pub mod ranging;
 mod settings;
+pub mod weighed;

@@ -50,6 +50,24 @@ export interface components {
             /** @description In the order in which they were raised. */
             open: components["schemas"]["Alarm"][];
         };
+        /** @description An anchor of the plan. */
+        Anchor: {
+            id: string;
+            in_force: components["schemas"]["InForce"];
+            /** @description Its name for people. */
+            name?: string | null;
+            /** @description East, north, height, m; null when it is taken away. */
+            position_m?: number[] | null;
+            /** @description Where it is for the server as it runs; null where it is not known yet. */
+            position_now_m?: number[] | null;
+        };
+        /** @description Where an anchor is. */
+        AnchorPlace: {
+            /** @description Its name for people. */
+            name?: string | null;
+            /** @description East, north, height, m. */
+            position_m: number[];
+        };
         /** @description Who is to wear a tag. */
         Assign: {
             from?: components["schemas"]["Timestamp"] | null;
@@ -75,6 +93,15 @@ export interface components {
             what: string;
             who: string;
         };
+        /** @description A copy of the store. */
+        Backup: {
+            /** Format: int64 */
+            bytes: number;
+            /** @description Its file, in `backups` of the data folder. */
+            name: string;
+            /** @description When it was done. */
+            time: components["schemas"]["Timestamp"];
+        };
         /** @description How full a battery is. */
         Battery: {
             /**
@@ -93,6 +120,18 @@ export interface components {
         /** @description The evacuation that runs, if any. */
         Board: {
             evacuation?: components["schemas"]["Evacuation"] | null;
+        };
+        /** @description The time of the mine. */
+        Clock: {
+            /**
+             * Format: double
+             * @description Seconds of the mine in a second of the wall: 1, but for a simulated shift.
+             */
+            clock_speed: number;
+            /** @description The shift is simulated. */
+            simulated: boolean;
+            /** @description Now. */
+            time: components["schemas"]["Timestamp"];
         };
         /** @description What is to be said to an alarm. */
         Comment: {
@@ -248,6 +287,11 @@ export interface components {
             clock_shift_s: number;
             /** @description Packets and observations: taken, repeated, late, refused; fixes told. */
             counts: unknown;
+            /** @description Whom the tag heard in its last minute, or who heard it, by name; at most 16. */
+            heard: components["schemas"]["HeardSource"][];
+            innovations?: components["schemas"]["Innovations"] | null;
+            /** @description Whether ranges are judged for line of sight, as its profile has it. */
+            judged: boolean;
             /** @description The last error of the method. */
             last_error?: string | null;
             /** @description Name of the method. */
@@ -256,6 +300,8 @@ export interface components {
             method_report: unknown;
             /** @description Name of its profile in the settings. */
             profile: string;
+            /** @description What the tag sends. */
+            sensors: components["schemas"]["SensorRate"][];
             /** @description The tag. */
             tag: string;
         };
@@ -281,6 +327,85 @@ export interface components {
             parts: components["schemas"]["PartHealth"][];
             /** @description All parts that are used work. */
             ready: boolean;
+        };
+        /** @description The last that an anchor or access point told of a tag. */
+        HeardSource: {
+            /** @description Id of the anchor or access point of the plan that it is; null where the plan has none. */
+            anchor?: string | null;
+            innovation?: components["schemas"]["Innovation"] | null;
+            /** @description `range` or `signal`. */
+            kind: string;
+            /**
+             * Format: double
+             * @description Probability that the signal came straight, as judged live; null where nothing judged it.
+             */
+            line_of_sight?: number | null;
+            /**
+             * Format: double
+             * @description The distance as measured, m.
+             */
+            range_m?: number | null;
+            /**
+             * Format: double
+             * @description The signal strength, dBm.
+             */
+            rssi_dbm?: number | null;
+            /** @description Its name as the tag has it: an id, or a MAC address. */
+            source: string;
+            /** @description When, by the server's clock. */
+            time: components["schemas"]["Timestamp"];
+        };
+        /**
+         * @description When a change is in force.
+         * @enum {string}
+         */
+        InForce: "now" | "at the next start";
+        /** @description What a method made of a range or a signal strength. */
+        Innovation: {
+            /** @description Whether it counted in full: was neither refused nor weighed down. */
+            believed: boolean;
+            /**
+             * Format: double
+             * @description The same squared over its predicted variance; 1 in the mean where the method knows its errors.
+             */
+            nis: number;
+            /**
+             * Format: double
+             * @description Measured less expected: m of a range, dB of a signal strength.
+             */
+            residual: number;
+            /** @description Of which time. */
+            time: components["schemas"]["Timestamp"];
+        };
+        /** @description Innovations of ten seconds. */
+        InnovationBin: {
+            /**
+             * Format: int64
+             * @description Degrees of freedom in that mean.
+             */
+            count: number;
+            /**
+             * Format: double
+             * @description Mean for each degree of freedom, of what counted in full; null where nothing did.
+             */
+            mean_nis?: number | null;
+            /**
+             * Format: int64
+             * @description Measurements that did not count in full.
+             */
+            outliers: number;
+        };
+        /** @description Normalised innovations squared in bins of time. */
+        Innovations: {
+            /**
+             * Format: int64
+             * @description Length of a bin, s.
+             */
+            bin_s: number;
+            /** @description Oldest first, 60. */
+            bins: components["schemas"]["InnovationBin"][];
+            /** @description End of the last bin, by the tag's time. */
+            until: components["schemas"]["Timestamp"];
         };
         /** @description Somebody, or a tag that nobody is known to wear, as is known now. */
         Live: {
@@ -466,11 +591,53 @@ export interface components {
         Remark: {
             note?: string;
         };
+        /** @description Where everybody was. */
+        Replay: {
+            from: components["schemas"]["Timestamp"];
+            /** @description One entry for each tag and person who wore it. */
+            people: components["schemas"]["ReplayTrack"][];
+            /** Format: double */
+            step_s: number;
+            until: components["schemas"]["Timestamp"];
+        };
+        /** @description Where somebody was: columns of the same length. */
+        ReplayTrack: {
+            /** @description Id of the level. */
+            level: (string | null)[];
+            /** @description Null while nobody wore the tag. */
+            person?: string | null;
+            /** @description East, north, height, m. */
+            position_m: number[][];
+            /** @description `fixed`, `dead-reckoning` or `lost`. */
+            quality: string[];
+            radius_95_m: number[];
+            tag: string;
+            /** @description After `from`, rising, s. */
+            time_s: number[];
+        };
         /**
          * @description What a user is trusted with; each role may do all that those before it may.
          * @enum {string}
          */
         Role: "viewer" | "dispatcher" | "safety-officer" | "admin";
+        /** @description A kind of observations that a tag sends. */
+        SensorRate: {
+            /** @description `imu` (gyro and accelerometer), `acceleration`, `magnetic`, `pressure`, `fix`, `signal`, `range`, `sighting`. */
+            kind: string;
+            /**
+             * Format: double
+             * @description How many a second, over its last 10 to 20 s.
+             */
+            per_s: number;
+        };
+        /** @description Another speed. */
+        SetClock: {
+            /**
+             * Format: double
+             * @description Above 0, to 100.
+             */
+            clock_speed: number;
+        };
         /** @description A shift of somebody. */
         Shift: {
             came_out?: components["schemas"]["Timestamp"] | null;
@@ -594,6 +761,24 @@ export interface components {
              */
             password?: string | null;
             role?: components["schemas"]["Role"] | null;
+        };
+        /** @description What the log looks like. */
+        Verification: {
+            /** @description On what the first row stands: number 0, or the last row that retention took away. */
+            anchor: string;
+            /** @description The first thing that does not fit. */
+            broken?: string | null;
+            /** @description The end of the chain. Written down elsewhere it shows, later, a log that was made anew. */
+            head: string;
+            /**
+             * Format: int64
+             * @description Rows that fit, from the first.
+             */
+            rows: number;
+            /** @description Every row is as it was written. */
+            sound: boolean;
+            /** @description Heads given whose rows retention took away: nothing can be said of them. */
+            too_old: string[];
         };
         /** @description The shortest way on foot. */
         Way: {

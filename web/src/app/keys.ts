@@ -32,6 +32,8 @@ const VIEW_KEYS: Record<string, string> = {
   t: "attendance",
   d: "radio",
   z: "editor",
+  u: "users",
+  l: "audit",
   s: "settings",
 };
 

@@ -14,6 +14,7 @@ export type Permission =
   | "export"
   | "see-audit"
   | "manage-users"
+  | "manage-tokens"
   | "see-settings";
 
 /** The least role that has a permission, for whoever wonders why they may not. */
@@ -29,6 +30,7 @@ export const LEAST_ROLE: Record<Permission, string> = {
   export: "safety-officer",
   "see-audit": "safety-officer",
   "manage-users": "admin",
+  "manage-tokens": "admin",
   "see-settings": "admin",
 };
 

@@ -45,6 +45,7 @@ pub use tunable::NoiseParameter;
 
 use crate::magnetic::gate::ReferenceField;
 use crate::radio::RadioSite;
+use crate::weighed::SourceWeighed;
 use adit_core::solution::Solution;
 use adit_observation::{ImuSpecification, Observation, Site, StartPose};
 use alloc::boxed::Box;
@@ -124,6 +125,11 @@ pub trait Method {
 
     /// What the run did so far.
     fn report(&self) -> &Self::Report;
+
+    /// The last innovation of each anchor and transmitter that was heard lately; none of a method that does not hold them one by one.
+    fn last_weighed(&self) -> Vec<SourceWeighed> {
+        Vec::new()
+    }
 }
 
 /// What a method says about its run.
@@ -144,6 +150,11 @@ pub trait MethodReport: Clone + Serialize {
     /// Normalised innovations squared of the measurements used.
     fn nis(&self) -> Option<Nis> {
         None
+    }
+
+    /// Measurements that did not count in full and are not in [`Self::nis`]: refused, weighed down, or with widened noise.
+    fn outliers(&self) -> u64 {
+        0
     }
 }
 

@@ -94,6 +94,8 @@ struct Sphere {
 /// What an update did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taken {
+    /// Measured less expected, the first of them.
+    pub residual: f64,
     /// Normalised innovation squared, before any widening.
     pub nis: f64,
     /// Logarithm of the likelihood, of a Student distribution where the update was robust.
@@ -345,7 +347,7 @@ impl State {
         self.covariance -= gain * cross.transpose();
         symmetrise(&mut self.covariance);
         self.feed_back(&(gain * seen.residual));
-        Some(Taken { nis, log_likelihood, widened })
+        Some(Taken { residual: seen.residual[0], nis, log_likelihood, widened })
     }
 
     /// Normalised innovation squared, and the logarithm of the likelihood, of a measurement that is not taken.

@@ -97,6 +97,7 @@ impl Routes {
             for (method, operation) in operations {
                 let Some(operation) = operation else { continue };
                 describe(access, operation);
+                operation.operation_id = Some(operation_id(&method, path));
                 self.table.of_route.insert((method, path.clone()), access);
             }
         }
@@ -109,6 +110,14 @@ impl Routes {
         let (router, openapi) = self.router.split_for_parts();
         (router, openapi, self.table)
     }
+}
+
+/// `get_tags_tag_following`: no two operations have the same method and path, so no two have the same id. Clients made of the file
+/// name their functions so.
+fn operation_id(method: &Method, path: &str) -> String {
+    let path = path.strip_prefix("/api/v1").unwrap_or(path);
+    let parts = path.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty());
+    parts.fold(method.as_str().to_ascii_lowercase(), |id, part| id + "_" + part)
 }
 
 /// Writes into the file of the API what the route needs and how it refuses.

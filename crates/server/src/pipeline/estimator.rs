@@ -1,5 +1,6 @@
 //! A method at work for one tag, whichever it is.
 
+use super::hearing::Sums;
 use adit_core::solution::Solution;
 use adit_estimation::methods::foot_ins::{FootIns, FootInsParams};
 use adit_estimation::methods::fused::{Fused, FusedParams};
@@ -10,7 +11,8 @@ use adit_estimation::methods::uwb_filter::{UwbAekfParams, UwbEkfParams, UwbFilte
 use adit_estimation::methods::uwb_ls::{UwbLs, UwbLsParams};
 use adit_estimation::methods::uwb_pdr::{UwbPdr, UwbPdrParams};
 use adit_estimation::methods::wifi::{Wifi, WifiParams};
-use adit_estimation::methods::{Method, MethodError, MethodSettings};
+use adit_estimation::methods::{Method, MethodError, MethodReport, MethodSettings};
+use adit_estimation::weighed::SourceWeighed;
 use adit_observation::Observation;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +69,20 @@ macro_rules! estimators {
                 }
             }
 
+            /// What it has weighed since its start.
+            pub fn sums(&self) -> Sums {
+                match self {
+                    $(Self::$name(method) => sums_of(Method::report(method.as_ref())),)+
+                }
+            }
+
+            /// The last innovation of each anchor and transmitter, of methods that hold them one by one.
+            pub fn last_weighed(&self) -> Vec<SourceWeighed> {
+                match self {
+                    $(Self::$name(method) => Method::last_weighed(method.as_ref()),)+
+                }
+            }
+
             /// What it says about its run, as JSON.
             pub fn details(&self) -> serde_json::Value {
                 let report = match self {
@@ -101,6 +117,11 @@ estimators! {
     UwbRkf: UwbRkfParams makes UwbFilter;
     /// The same, adaptive.
     UwbAekf: UwbAekfParams makes UwbFilter;
+}
+
+fn sums_of(report: &impl MethodReport) -> Sums {
+    let (nis, freedom) = report.nis().map_or((0.0, 0), |nis| (nis.sum, nis.count * nis.dimension as u64));
+    Sums { nis, freedom, outliers: report.outliers() }
 }
 
 impl Estimator {

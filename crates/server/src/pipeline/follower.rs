@@ -2,6 +2,7 @@
 
 use super::clock::{TagClock, Verdict};
 use super::estimator::Estimator;
+use super::hearing::{Hearing, HearingReport};
 use super::motion;
 use super::profile::Profile;
 use crate::journal::{Position, Seen};
@@ -35,6 +36,9 @@ pub struct Follower {
     /// What was told of its links, where ranges are judged.
     #[serde(default, skip_serializing_if = "Links::is_empty")]
     links: Links,
+    /// What it sends, whom it hears.
+    #[serde(default)]
+    hearing: Hearing,
     /// Newest time of its own sensors that the estimator has.
     wired: Option<Time>,
     /// When the last fix was valid.
@@ -92,6 +96,10 @@ pub struct TagHealth {
     pub last_error: Option<String>,
     /// What the method says of its run.
     pub method_report: serde_json::Value,
+    /// Whether its profile has ranges judged for line of sight.
+    pub judged: bool,
+    /// What it sends, whom it hears, how that fits.
+    pub heard: HearingReport,
 }
 
 impl Follower {
@@ -103,6 +111,7 @@ impl Follower {
             numbers: Seen::default(),
             estimator: None,
             links: Links::default(),
+            hearing: Hearing::default(),
             wired: None,
             told: None,
             applied: 0,
@@ -136,6 +145,7 @@ impl Follower {
             numbers: self.numbers.clone(),
             estimator: self.estimator.clone().map(Estimator::detached),
             links: self.links.clone(),
+            hearing: self.hearing.clone(),
             last_error: self.last_error.clone(),
             ..*self
         }
@@ -199,23 +209,23 @@ impl Follower {
                     let tag = tag.to_owned();
                     told.push(Input::Activity(adit_tracking::Activity { tag, time: heard, motion }));
                 }
-                self.follow(tag, turned, shift, profile, told);
+                self.follow(tag, turned, (shift, heard), profile, told);
             }
             Some(Verdict::Late(_)) => {
                 self.counts.late_packets += 1;
                 let turned = packet.observations.into_iter().map(|o| profile.sidecar.apply(o)).collect();
-                self.follow(tag, turned, shift, profile, told);
+                self.follow(tag, turned, (shift, heard), profile, told);
             }
             None => {}
         }
     }
 
-    /// Gives the observations to the estimator.
+    /// Gives the observations to the estimator: their times by the shift of the clock, none later than `latest`.
     fn follow(
         &mut self,
         tag: &str,
         observations: Vec<Observation>,
-        shift: Interval,
+        (shift, latest): (Interval, Time),
         profile: &Profile,
         told: &mut Vec<Input>,
     ) {
@@ -231,6 +241,7 @@ impl Follower {
                 self.wired = Some(time);
             }
             self.counts.observations += 1;
+            self.hearing.hear(&observation, time.min(latest));
             let mut due = self.observe(&observation.at(time), profile);
             while let Some(solution) = due {
                 if self.told.is_none_or(|told| solution.time - told >= FIX_EVERY) {
@@ -244,6 +255,9 @@ impl Follower {
         }
         if let Some(solution) = last {
             self.tell(tag, &solution, profile, told);
+        }
+        if let Some(estimator) = &self.estimator {
+            self.hearing.weigh(estimator.sums());
         }
     }
 
@@ -333,6 +347,10 @@ impl Follower {
             packet_numbers: self.numbers.spans().collect(),
             last_error: self.last_error.clone(),
             method_report: self.estimator.as_ref().map(Estimator::details).unwrap_or_default(),
+            judged: profile.nlos.is_some(),
+            heard: self
+                .hearing
+                .told(&self.estimator.as_ref().map(Estimator::last_weighed).unwrap_or_default()),
         }
     }
 }

@@ -17,6 +17,7 @@ pub mod clock;
 mod devices;
 mod estimator;
 mod follower;
+mod hearing;
 mod motion;
 mod outcome;
 mod profile;
@@ -28,6 +29,7 @@ mod tests;
 
 pub use estimator::Settings;
 pub use follower::{TagCounts, TagHealth};
+pub use hearing::{BIN_S, HearingReport, NisBin, Rate, Source};
 pub use outcome::{RoundOutcome, TrackedFix};
 pub use profile::{Profile, Profiles, ProfilesError};
 pub use rounds::{Asked, Pipeline, PipelineSettings, Started};

@@ -6,11 +6,12 @@ use adit_core::time::{Interval, Time};
 use adit_estimation::methods::fused::FusedParams;
 use adit_estimation::methods::{Known, MethodSettings, Worn};
 use adit_estimation::radio::RadioSite;
+use adit_estimation::weighed::{Weighed, WeighedKind};
 use adit_mine::Mine;
 use adit_nlos::Model;
 use adit_observation::sidecar::Sidecar;
 use adit_observation::wire::{Batch, Packet, Resolution};
-use adit_observation::{DeviceId, Observation};
+use adit_observation::{DeviceId, Observation, ObservationKind};
 use adit_simulation::Foot;
 use adit_simulation::people::{Belt, PersonSpec, Place, Roam};
 use adit_simulation::radio::RangeDetail;
@@ -204,6 +205,32 @@ fn lines(outcome: &super::RoundOutcome) -> Vec<String> {
     fixes.chain(outcome.events.iter().map(|event| format!("{event:?}"))).collect()
 }
 
+/// Both walk among the same anchors, the belt with a judge, the foot without.
+fn tells_whom_it_hears(server: &Server) {
+    let health = |tag: &str| server.pipeline.health(tag).unwrap();
+    for (tag, judged) in [("belt-1", true), ("foot-1", false)] {
+        let health = health(tag);
+        assert_eq!(health.judged, judged, "{tag}");
+        let ranges = health.heard.sources.iter().filter(|(source, _)| source.kind == WeighedKind::Range);
+        let ranges: Vec<_> = ranges.collect();
+        assert!(ranges.len() >= 3, "{tag}: {:?}", health.heard.sources);
+        for (source, weighed) in ranges {
+            assert_eq!(source.line_of_sight.is_some(), judged, "{tag}: {source:?}");
+            assert!((0.0..300.0).contains(&source.value), "{tag}: {source:?}");
+            // A range that counted in full is off by no more than corridors are wide, squared over its own variance within the gate.
+            let fits =
+                |weighed: &Weighed| !weighed.believed || weighed.residual.abs() < 5.0 && weighed.nis < 25.0;
+            assert!(weighed.as_ref().is_none_or(fits), "{tag}: {weighed:?}");
+        }
+        let weighed = health.heard.sources.iter().filter(|(_, weighed)| weighed.is_some()).count();
+        assert!(weighed >= 3, "{tag}: {:?}", health.heard.sources);
+        let counted: u64 = health.heard.course.iter().map(|bin| bin.count).sum();
+        assert!(counted > 30 && health.heard.course.len() == 60, "{tag}: {counted}");
+        let imu = health.heard.sensors.iter().find(|rate| rate.kind == ObservationKind::Imu);
+        assert!(imu.is_some_and(|rate| rate.per_s > 20.0), "{tag}: {:?}", health.heard.sensors);
+    }
+}
+
 #[test]
 fn a_server_that_dies_again_and_again_ends_where_one_that_does_not_ends() {
     let mine = two_level();
@@ -218,6 +245,7 @@ fn a_server_that_dies_again_and_again_ends_where_one_that_does_not_ends() {
     assert!(whole.told.len() > 70, "{} lines", whole.told.len());
     let judged = |tag: &str| whole.pipeline.health(tag).unwrap().counts.judged;
     assert!(judged("belt-1") > 50 && judged("foot-1") == 0, "{}", judged("belt-1"));
+    tells_whom_it_hears(&whole);
 
     let folder = tempfile::tempdir().unwrap();
     let mut server = Server::start(&mine, folder.path(), 0);

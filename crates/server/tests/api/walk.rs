@@ -6,6 +6,7 @@ use adit_server::auth::{Grant, Permission, Role};
 use serde_json::Value;
 
 struct Operation {
+    id: String,
     method: String,
     path: String,
     permission: Option<String>,
@@ -22,6 +23,7 @@ async fn operations(house: &House) -> Tested<Vec<Operation>> {
             }
             let text = |name: &str| operation[name].as_str().map(str::to_owned);
             operations.push(Operation {
+                id: text("operationId").ok_or_else(|| format!("{method} {path} has no operationId"))?,
                 method: method.to_uppercase(),
                 // Braces become a value that fits texts, numbers and UUIDs badly enough to be no one's.
                 path: path
@@ -38,12 +40,27 @@ async fn operations(house: &House) -> Tested<Vec<Operation>> {
 }
 
 #[tokio::test]
+async fn every_operation_has_a_name_of_its_own() -> Tested {
+    let house = House::new().await?;
+    let mut named = std::collections::BTreeMap::new();
+    for Operation { id, method, path, .. } in operations(&house).await? {
+        let word = id.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        assert!(word, "{method} {path}: {id}");
+        if let Some(other) = named.insert(id.clone(), format!("{method} {path}")) {
+            return Err(format!("{id} is both {other} and {method} {path}").into());
+        }
+    }
+    assert!(named.contains_key("get_tags_tag_following"), "{named:?}");
+    Ok(())
+}
+
+#[tokio::test]
 async fn every_route_without_a_token_answers_401_and_with_too_small_a_role_403() -> Tested {
     let house = House::new().await?;
     let operations = operations(&house).await?;
     assert!(operations.len() > 40, "only {} operations: is the file whole?", operations.len());
     let mut open = Vec::new();
-    for Operation { method, path, permission, role } in &operations {
+    for Operation { method, path, permission, role, .. } in &operations {
         let at = format!("{method} {path}");
         let (Some(permission), Some(role)) = (permission, role) else {
             open.push(at);
@@ -91,7 +108,7 @@ async fn every_route_without_a_token_answers_401_and_with_too_small_a_role_403()
 #[tokio::test]
 async fn a_role_that_suffices_is_let_in() -> Tested {
     let house = House::new().await?;
-    for Operation { method, path, role, permission } in operations(&house).await? {
+    for Operation { method, path, role, permission, .. } in operations(&house).await? {
         let (Some(role), Some(permission)) = (role, permission) else { continue };
         if method != "GET" {
             continue;

@@ -1,8 +1,6 @@
-/** What the server tells of how a tag is followed, read for people; and how it goes on while somebody looks. */
+/** What the server tells of how a tag is followed, read for people. */
 import type { Following } from "../../api/types";
-
-/** Polls that are kept: ten minutes. */
-const KEPT = 300;
+import type { Sight } from "../../map/link-layer";
 
 export interface Counts {
   packets: number;
@@ -82,29 +80,33 @@ export function restOf(report: unknown, known: Set<string>): [string, string][] 
 }
 
 export interface Sample {
+  /** Middle of the bin, s. */
   time: number;
-  /** Mean normalised innovation squared since the poll before; null where nothing was weighed. */
+  /** Mean normalised innovation squared; null where nothing counted. */
   nis: number | null;
   outliers: number;
 }
 
-/** What came between two polls. */
-export class Course {
-  samples: Sample[] = [];
-  #last: Innovations | null = null;
+/** The last ten minutes, as the server has kept them. */
+export function courseOf(following: Following): Sample[] {
+  const { innovations } = following;
+  if (!innovations) return [];
+  const { bins, bin_s } = innovations;
+  const end = Date.parse(innovations.until) / 1000;
+  return bins.map((bin, index) => ({
+    time: end - (bins.length - index - 0.5) * bin_s,
+    nis: bin.mean_nis ?? null,
+    outliers: bin.outliers,
+  }));
+}
 
-  add(innovations: Innovations, time: number): void {
-    const last = this.#last;
-    this.#last = innovations;
-    if (!last || innovations.count < last.count) return;
-    const weighed = innovations.count - last.count;
-    this.samples = [
-      ...this.samples,
-      {
-        time,
-        nis: weighed > 0 ? (innovations.sum - last.sum) / weighed : null,
-        outliers: Math.max(0, innovations.outliers - last.outliers),
-      },
-    ].slice(-KEPT);
-  }
+export type HeardSource = Following["heard"][number];
+
+export const sightOf = (source: HeardSource): Sight =>
+  source.line_of_sight == null ? "not-judged" : source.line_of_sight >= 0.5 ? "clear" : "blocked";
+
+/** Ranges first, the nearest on top; then signals, the strongest on top. */
+export function byNearness(a: HeardSource, b: HeardSource): number {
+  if (a.kind !== b.kind) return a.kind === "range" ? -1 : 1;
+  return a.kind === "range" ? (a.range_m ?? 0) - (b.range_m ?? 0) : (b.rssi_dbm ?? 0) - (a.rssi_dbm ?? 0);
 }

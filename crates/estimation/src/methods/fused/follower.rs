@@ -27,6 +27,7 @@ use crate::place::trail::Trail;
 use crate::radio::site::Reader;
 use crate::ranging::listener::RangeListener;
 use crate::ranging::solver::Solver;
+use crate::weighed::LastWeighed;
 use adit_core::attitude;
 use adit_core::nalgebra::Vector3;
 use adit_core::solution::{Quality, Solution};
@@ -86,6 +87,9 @@ pub struct Follower {
     pub(super) readers: Arc<[Reader]>,
     /// Last time each link was heard, by anchor.
     pub(super) heard: Vec<(usize, Time)>,
+    /// The last innovation of each anchor and transmitter.
+    #[serde(default)]
+    pub(super) weighed: LastWeighed,
     /// The carrier's last solution, and where the bank has come to.
     pub(super) reckoned: Option<Solution>,
     pub(super) walked: Option<Walked>,
@@ -151,6 +155,7 @@ impl Follower {
             signals: ears.signals.clone(),
             readers: Arc::clone(&ears.readers),
             heard: Vec::new(),
+            weighed: LastWeighed::default(),
             reckoned: None,
             walked: None,
             held_until: None,

@@ -6,9 +6,10 @@ use super::follower::Follower;
 use super::foot::Seen;
 use super::method::FusedReport;
 use crate::place::params::PlaceParams;
-use crate::place::state::{Back, EAST, NORTH, State, Stretch, UP};
+use crate::place::state::{Back, EAST, NORTH, State, Stretch, Taken, UP};
 use crate::ranging::listener::Link;
 use crate::ranging::{Ranged, RangingFix};
+use crate::weighed::{SourceWeighed, Weighed, WeighedKind};
 use adit_core::nalgebra::Vector3;
 use adit_core::time::{Interval, Time};
 use adit_observation::{FixSource, PositionFix};
@@ -116,6 +117,7 @@ impl Follower {
             self.bank.take(|state| state.see_signal(&emitter, (rssi_dbm, new_db), &back.way_m), bound);
         if let Some(taken) = taken {
             report.note(taken.nis, 1, taken.widened);
+            self.weighed.note(weighed((WeighedKind::Signal, transmitter), time, &taken));
             self.held_until = self.held_until.max(Some(time + FIX_HOLD));
         }
     }
@@ -176,6 +178,7 @@ impl Follower {
             let taken = self.bank.take(|state| state.see_range(&anchor_m, (range_m, sigma_m), back), bound);
             if let Some(taken) = taken {
                 report.note(taken.nis, 1, taken.widened);
+                self.weighed.note(weighed((WeighedKind::Range, link.anchor), link.time, &taken));
                 sum += taken.nis;
                 count += 1;
             }
@@ -211,6 +214,19 @@ impl Follower {
         self.bank.start(state);
     }
 
+    /// The last innovation of each anchor and transmitter, by their names.
+    pub(super) fn last_weighed(&self) -> Vec<SourceWeighed> {
+        self.weighed.named(|kind, number| match kind {
+            WeighedKind::Range => {
+                let anchor = self.ranges.as_ref().and_then(|ranges| ranges.anchors().get(number));
+                anchor.map(|anchor| anchor.id.clone()).into_iter().collect()
+            }
+            WeighedKind::Signal => {
+                self.signals.as_ref().map(|signals| signals.names_of(number)).unwrap_or_default()
+            }
+        })
+    }
+
     /// What a range is uncertain of, m: noise that is of this one alone, and what it has in common with those before it.
     pub(super) fn sigma_of(&mut self, link: &Link) -> f64 {
         let slot = self.heard.iter_mut().find(|(anchor, _)| *anchor == link.anchor);
@@ -235,4 +251,9 @@ impl Follower {
         let ranged: Vec<Ranged> = links.iter().map(|link| link.ranged).collect();
         self.solver.solve(&ranged)
     }
+}
+
+/// For the account, what an update did with one of a source.
+fn weighed(source: (WeighedKind, usize), time: Time, taken: &Taken) -> Weighed {
+    Weighed::new(source, time, (taken.residual, taken.nis), taken.widened <= 1.0)
 }

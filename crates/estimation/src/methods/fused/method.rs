@@ -9,6 +9,7 @@ use crate::methods::{
 use crate::place::params::CarrierNoise;
 use crate::radio::{HeardReport, RadioSite};
 use crate::ranging::listener::RangesHeard;
+use crate::weighed::SourceWeighed;
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -58,6 +59,16 @@ impl FusedReport {
             self.nis_count += dimension;
         }
     }
+
+    /// What a method alone has weighed so far.
+    #[inline]
+    pub(super) fn weigh_alone(&mut self, alone: &impl MethodReport) {
+        self.outliers = alone.outliers();
+        if let Some(nis) = alone.nis() {
+            self.nis_sum = nis.sum;
+            self.nis_count = nis.count * nis.dimension as u64;
+        }
+    }
 }
 
 impl Method for Fused {
@@ -78,6 +89,10 @@ impl Method for Fused {
 
     fn report(&self) -> &FusedReport {
         Self::report(self)
+    }
+
+    fn last_weighed(&self) -> Vec<SourceWeighed> {
+        Self::last_weighed(self)
     }
 }
 
@@ -128,5 +143,9 @@ impl MethodReport for FusedReport {
 
     fn nis(&self) -> Option<Nis> {
         (self.nis_count > 0).then_some(Nis { dimension: 1, count: self.nis_count, sum: self.nis_sum })
+    }
+
+    fn outliers(&self) -> u64 {
+        self.outliers
     }
 }

@@ -45,6 +45,7 @@ use crate::methods::wifi::Wifi;
 use crate::methods::{Method, MethodError, MethodReport};
 use crate::radio::HeardReport;
 use crate::ranging::listener::RangesHeard;
+use crate::weighed::SourceWeighed;
 use adit_core::solution::{Quality, Solution};
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -198,6 +199,15 @@ impl Fused {
         &self.report
     }
 
+    /// The last innovation of each anchor and transmitter that holds the place.
+    pub fn last_weighed(&self) -> Vec<SourceWeighed> {
+        match &self.stage {
+            Stage::Carried(both) => both.1.last_weighed(),
+            Stage::Ranges(method) => Method::last_weighed(method.as_ref()),
+            Stage::Looking(_) | Stage::Strapdown(_) | Stage::Signals(_) | Stage::Attitude(_) => Vec::new(),
+        }
+    }
+
     /// The log is known: what was kept of it goes to whom it concerns.
     fn begin(&mut self, process: Process) -> Result<(), MethodError> {
         self.report.process = Some(process);
@@ -245,10 +255,10 @@ impl Fused {
                     reckoned = carrier.next_due()?;
                 }
             }
-            Stage::Strapdown(method) => drive(method.as_mut(), observation, due)?,
-            Stage::Ranges(method) => drive(method.as_mut(), observation, due)?,
-            Stage::Signals(method) => drive(method.as_mut(), observation, due)?,
-            Stage::Attitude(method) => drive(method.as_mut(), observation, due)?,
+            Stage::Strapdown(method) => drive(method.as_mut(), observation, due, report)?,
+            Stage::Ranges(method) => drive(method.as_mut(), observation, due, report)?,
+            Stage::Signals(method) => drive(method.as_mut(), observation, due, report)?,
+            Stage::Attitude(method) => drive(method.as_mut(), observation, due, report)?,
         }
         for solution in due.iter().skip(before) {
             report.count(solution);
@@ -262,12 +272,14 @@ fn drive(
     method: &mut impl Method,
     observation: &Observation,
     due: &mut VecDeque<Solution>,
+    report: &mut FusedReport,
 ) -> Result<(), MethodError> {
     let mut solution = method.observe(observation)?;
     while let Some(now) = solution {
         due.push_back(now);
         solution = method.next_due()?;
     }
+    report.weigh_alone(method.report());
     Ok(())
 }
 
@@ -276,10 +288,7 @@ fn ended(method: &mut impl Method, report: &mut FusedReport) -> Result<Option<So
     let solution = method.finish_next()?;
     if solution.is_none() {
         report.warnings = method.report().warnings().to_vec();
-        if let Some(nis) = method.report().nis() {
-            report.nis_sum = nis.sum;
-            report.nis_count = nis.count * nis.dimension as u64;
-        }
+        report.weigh_alone(method.report());
     }
     Ok(solution)
 }

@@ -17,6 +17,7 @@ use crate::radio::{Emitter, RadioSite};
 use adit_core::nalgebra::Vector3;
 use adit_core::time::Time;
 use adit_observation::{DeviceId, SignalStrength};
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -120,6 +121,12 @@ impl Signals {
     pub fn transmitter(&self, signal: &SignalStrength) -> Option<usize> {
         let place = self.names.binary_search_by(|(name, _)| name.cmp(&signal.transmitter)).ok()?;
         self.names.get(place).map(|(_, number)| *number)
+    }
+
+    /// The names of a transmitter: its id, its MAC address.
+    pub fn names_of(&self, transmitter: usize) -> Vec<String> {
+        let names = self.names.iter().filter(|(_, number)| *number == transmitter);
+        names.map(|(name, _)| String::from(name.as_str())).collect()
     }
 
     /// What a reading of a transmitter is expected to err; `way_m` is the way of the carrier.

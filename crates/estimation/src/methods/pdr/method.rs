@@ -155,4 +155,8 @@ impl MethodReport for PdrReport {
         let count = self.used_fixes - self.bounded_fixes;
         (count > 0).then_some(Nis { dimension: FIX_DIMENSION, count, sum: self.nis_sum })
     }
+
+    fn outliers(&self) -> u64 {
+        self.bounded_fixes
+    }
 }

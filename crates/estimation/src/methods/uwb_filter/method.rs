@@ -8,6 +8,7 @@ use crate::methods::{
 use crate::radio::RadioSite;
 use crate::ranging::filter::{FilterParams, FilterReport};
 use crate::ranging::listener::RangesHeard;
+use crate::weighed::SourceWeighed;
 use adit_core::solution::Solution;
 use adit_observation::Observation;
 use alloc::boxed::Box;
@@ -54,6 +55,10 @@ impl Method for UwbFilter {
     fn report(&self) -> &UwbFilterReport {
         Self::report(self)
     }
+
+    fn last_weighed(&self) -> Vec<SourceWeighed> {
+        Self::last_weighed(self)
+    }
 }
 
 impl<V: Variant> MethodSettings for UwbFilterParams<V> {
@@ -84,5 +89,10 @@ impl MethodReport for UwbFilterReport {
     fn nis(&self) -> Option<Nis> {
         let FilterReport { nis_sum: sum, nis_count: count, .. } = self.filter;
         (count > 0).then_some(Nis { dimension: 1, count, sum })
+    }
+
+    fn outliers(&self) -> u64 {
+        let FilterReport { used, refused, nis_count, .. } = self.filter;
+        (used + refused).saturating_sub(nis_count)
     }
 }

@@ -23,6 +23,7 @@ use crate::methods::alignment::{Alignment, Event};
 use crate::ranging::epochs::Epoch;
 use crate::ranging::filter::{FoundOffset, RangeFilter};
 use crate::ranging::listener::RangeListener;
+use crate::weighed::SourceWeighed;
 use adit_core::nalgebra::Vector2;
 use adit_core::solution::{Quality, Solution};
 use adit_core::time::{Interval, Time};
@@ -134,6 +135,7 @@ impl UwbFilter {
                 self.filter.observe(&link, tag);
             }
         }
+        self.report.filter.clone_from(self.filter.report());
         self.tell(time)
     }
 
@@ -165,6 +167,14 @@ impl UwbFilter {
         })
     }
 
+    /// The last innovation of each anchor.
+    pub fn last_weighed(&self) -> Vec<SourceWeighed> {
+        let anchors = self.alignment.listener().anchors();
+        self.filter
+            .last_weighed()
+            .named(|_, number| anchors.get(number).map(|anchor| anchor.id.clone()).into_iter().collect())
+    }
+
     fn account(&mut self) {
         let report = &mut self.report;
         report.heard.clone_from(self.alignment.listener().heard());
@@ -182,7 +192,7 @@ impl UwbFilter {
         report.warnings.extend(report.steps.iter().flat_map(|steps| steps.warnings.clone()));
     }
 
-    /// What the run did; of the offsets and of what was heard at its end.
+    /// What the run did so far; offsets and what was heard are told at its end.
     pub fn report(&self) -> &UwbFilterReport {
         &self.report
     }

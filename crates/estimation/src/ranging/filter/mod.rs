@@ -31,6 +31,7 @@ pub use params::{ErrorParams, FilterParams, HeightParams, MotionParams, Reckonin
 pub use state::{OffsetFound, SLOTS, STATES};
 
 use super::listener::Link;
+use crate::weighed::{LastWeighed, Weighed, WeighedKind};
 use adit_core::attitude::Attitude;
 use adit_core::nalgebra::{Matrix3, Vector2, Vector3};
 use adit_core::solution::{Quality, Solution, SolutionCovariance};
@@ -69,6 +70,14 @@ pub struct Taken {
     pub weight: f64,
 }
 
+impl Taken {
+    fn weighed(&self, link: &Link, verdict: Verdict) -> Weighed {
+        let nis = self.innovation_m * self.innovation_m / self.variance_m2;
+        let believed = verdict == Verdict::Taken && self.weight >= 1.0;
+        Weighed::new((WeighedKind::Range, link.anchor), link.time, (self.innovation_m, nis), believed)
+    }
+}
+
 /// A place that explains the ranges.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Hypothesis {
@@ -93,6 +102,9 @@ pub struct RangeFilter {
     /// Time of the last range that counted.
     held: Option<Time>,
     report: FilterReport,
+    /// The last innovation of each anchor.
+    #[serde(default)]
+    weighed: LastWeighed,
 }
 
 impl Hypothesis {
@@ -159,6 +171,7 @@ impl RangeFilter {
             parted: Time::default(),
             held: None,
             report: FilterReport::default(),
+            weighed: LastWeighed::default(),
         })
     }
 
@@ -189,6 +202,7 @@ impl RangeFilter {
         }
         let (verdict, taken) = believed.observe(link, tag, &self.params, &self.weighting);
         self.report.count(verdict, &taken);
+        self.weighed.note(taken.weighed(link, verdict));
         if verdict != Verdict::Refused {
             self.held = self.held.max(Some(link.time));
         }
@@ -322,6 +336,11 @@ impl RangeFilter {
     /// What became of the ranges so far; without offsets.
     pub fn report(&self) -> &FilterReport {
         &self.report
+    }
+
+    /// The last innovation of each anchor, by its number in the list of the site.
+    pub(crate) fn last_weighed(&self) -> &LastWeighed {
+        &self.weighed
     }
 
     /// What all ranges read too long.

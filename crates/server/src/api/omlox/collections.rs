@@ -138,7 +138,7 @@ macro_rules! collection {
             const KIND: Kind = $kind;
 
             /// Ids of all.
-            #[utoipa::path(get, path = $all, tag = "omlox", operation_id = concat!(stringify!($name), "_ids"),
+            #[utoipa::path(get, path = $all, tag = "omlox",
                 responses((status = 200, description = "ids", body = Vec<String>)))]
             pub(in crate::api::omlox) async fn ids(
                 State(context): State<Arc<Context>>,
@@ -147,7 +147,7 @@ macro_rules! collection {
             }
 
             /// Adds one.
-            #[utoipa::path(post, path = $all, tag = "omlox", operation_id = concat!(stringify!($name), "_add"),
+            #[utoipa::path(post, path = $all, tag = "omlox",
                 request_body = Object, responses((status = 201, description = "added", body = Object)))]
             pub(in crate::api::omlox) async fn add(
                 State(context): State<Arc<Context>>,
@@ -159,7 +159,7 @@ macro_rules! collection {
             }
 
             /// Removes all that clients have put; what adit itself has stays.
-            #[utoipa::path(delete, path = $all, tag = "omlox", operation_id = concat!(stringify!($name), "_clear"),
+            #[utoipa::path(delete, path = $all, tag = "omlox",
                 responses((status = 204, description = "removed")))]
             pub(in crate::api::omlox) async fn clear(
                 State(context): State<Arc<Context>>,
@@ -169,7 +169,7 @@ macro_rules! collection {
             }
 
             /// All objects.
-            #[utoipa::path(get, path = $summary, tag = "omlox", operation_id = concat!(stringify!($name), "_summary"),
+            #[utoipa::path(get, path = $summary, tag = "omlox",
                 responses((status = 200, description = "objects", body = Vec<Object>)))]
             pub(in crate::api::omlox) async fn summary(
                 State(context): State<Arc<Context>>,
@@ -178,7 +178,7 @@ macro_rules! collection {
             }
 
             /// One object.
-            #[utoipa::path(get, path = $one, tag = "omlox", operation_id = concat!(stringify!($name), "_show"),
+            #[utoipa::path(get, path = $one, tag = "omlox",
                 responses((status = 200, description = "the object", body = Object)))]
             pub(in crate::api::omlox) async fn show(
                 State(context): State<Arc<Context>>,
@@ -188,7 +188,7 @@ macro_rules! collection {
             }
 
             /// Puts one, in the place of what was put before.
-            #[utoipa::path(put, path = $one, tag = "omlox", operation_id = concat!(stringify!($name), "_put"),
+            #[utoipa::path(put, path = $one, tag = "omlox",
                 request_body = Object, responses((status = $put_status, description = "put")))]
             pub(in crate::api::omlox) async fn put(
                 State(context): State<Arc<Context>>,
@@ -201,7 +201,7 @@ macro_rules! collection {
             }
 
             /// Removes one that a client has put.
-            #[utoipa::path(delete, path = $one, tag = "omlox", operation_id = concat!(stringify!($name), "_remove"),
+            #[utoipa::path(delete, path = $one, tag = "omlox",
                 responses((status = 204, description = "removed")))]
             pub(in crate::api::omlox) async fn remove(
                 State(context): State<Arc<Context>>,
