@@ -117,7 +117,7 @@ for (const theme of ["dark", "light"] as const) {
       await page.waitForTimeout(name === "person" ? 7000 : 1800);
       if (name === "alarms") await page.locator("table a").first().click();
       if (name === "replay") await page.getByRole("button", { name: "To the last alarm" }).click();
-      if (name === "people") await page.waitForSelector("tbody tr");
+      if (["people", "users", "tokens", "audit"].includes(name)) await page.waitForSelector("main tbody tr");
       // The whole of the page: innovations and anchors stand below the figures.
       await page.setViewportSize({ width: 1280, height: name.startsWith("person") ? 1400 : 800 });
       if (name === "tokens") await page.getByRole("tab", { name: /tokens/ }).click();

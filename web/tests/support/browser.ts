@@ -56,4 +56,6 @@ export async function open(
 export async function show(page: Page, hash: string): Promise<void> {
   await page.evaluate((to) => (location.hash = to), hash);
   await page.waitForTimeout(350);
+  // A view is loaded when it is first asked for.
+  await page.waitForSelector("main > *");
 }
