@@ -40,7 +40,7 @@ impl Passage<'_> {
     }
 }
 
-fn feature(geometry: Value, body: Value) -> Value {
+fn feature(geometry: &Value, body: &Value) -> Value {
     json!({ "type": "Feature", "geometry": geometry, "properties": body })
 }
 
@@ -59,7 +59,7 @@ pub(super) fn of_zone(context: &Context, told: &Told, geojson: bool) -> Option<V
     Some(if geojson {
         let view = context.tracking().zone(zone);
         let region = view.map(|view| fence(&context.mine, &view.live)["region"].take());
-        feature(region.unwrap_or_default(), body)
+        feature(&region.unwrap_or_default(), &body)
     } else {
         body
     })
@@ -73,5 +73,5 @@ pub(super) fn of_client(crossing: &Crossing, geojson: bool) -> Value {
     let foreign_id = fence.foreign_id.as_deref();
     let passage = Passage { id, fence: json!(fence.id), foreign_id, subject, entered: *entered, left: *left };
     let body = passage.write();
-    if geojson { feature(fence.region.clone(), body) } else { body }
+    if geojson { feature(&fence.region, &body) } else { body }
 }

@@ -392,7 +392,7 @@ mod tests {
     }
 
     /// A fence from −10 to 10 m, and what each (time, place) brings: times of entry and exit.
-    fn walk(timing: Value, way: &[(f64, f64)]) -> Vec<(f64, Option<f64>)> {
+    fn walk(timing: &Value, way: &[(f64, f64)]) -> Vec<(f64, Option<f64>)> {
         let mut body = json!({ "crs": "local",
             "region": { "type": "Polygon", "coordinates": [[[-10, -10], [10, -10], [10, 10], [-10, 10], [-10, -10]]] } });
         body.as_object_mut().unwrap().extend(timing.as_object().unwrap().clone());
@@ -415,27 +415,30 @@ mod tests {
     #[test]
     fn who_comes_in_and_goes_out_is_told_once() {
         let way = [(0.0, 30.0), (1.0, 10.0), (2.0, 0.0), (3.0, 10.1), (4.0, 30.0), (5.0, 5.0)];
-        assert_eq!(walk(json!({}), &way), [(1.0, None), (1.0, Some(3.0)), (5.0, None)]);
+        assert_eq!(walk(&json!({}), &way), [(1.0, None), (1.0, Some(3.0)), (5.0, None)]);
         // What comes late changes nothing.
-        assert_eq!(walk(json!({}), &[(1.0, 0.0), (1.0, 30.0), (0.5, 30.0)]), [(1.0, None)]);
+        assert_eq!(walk(&json!({}), &[(1.0, 0.0), (1.0, 30.0), (0.5, 30.0)]), [(1.0, None)]);
     }
 
     #[test]
     fn tolerance_delay_and_timeouts_hold_an_exit_back() {
         let tolerant = json!({ "exit_tolerance": 5.0 });
-        assert_eq!(walk(tolerant, &[(0.0, 0.0), (1.0, 14.9), (99.0, 14.9)]), [(0.0, None)]);
+        assert_eq!(walk(&tolerant, &[(0.0, 0.0), (1.0, 14.9), (99.0, 14.9)]), [(0.0, None)]);
         let tolerant = json!({ "exit_tolerance": 5.0, "tolerance_timeout": 2000 });
         assert_eq!(
-            walk(tolerant, &[(0.0, 0.0), (1.0, 14.9), (2.0, 14.9), (3.0, 14.9)]),
+            walk(&tolerant, &[(0.0, 0.0), (1.0, 14.9), (2.0, 14.9), (3.0, 14.9)]),
             [(0.0, None), (0.0, Some(1.0))]
         );
         let delayed = json!({ "exit_delay": 3000 });
         let way = [(0.0, 0.0), (1.0, 20.0), (3.0, 0.0), (4.0, 20.0), (6.9, 20.0), (7.0, f64::NAN)];
-        assert_eq!(walk(delayed, &way), [(0.0, None), (0.0, Some(4.0))]);
-        assert_eq!(walk(json!({ "exit_delay": -1 }), &[(0.0, 0.0), (1.0, 20.0), (1e6, 20.0)]), [(0.0, None)]);
+        assert_eq!(walk(&delayed, &way), [(0.0, None), (0.0, Some(4.0))]);
+        assert_eq!(
+            walk(&json!({ "exit_delay": -1 }), &[(0.0, 0.0), (1.0, 20.0), (1e6, 20.0)]),
+            [(0.0, None)]
+        );
         let silent = json!({ "timeout": 5000 });
         assert_eq!(
-            walk(silent, &[(0.0, 0.0), (4.9, f64::NAN), (5.0, f64::NAN)]),
+            walk(&silent, &[(0.0, 0.0), (4.9, f64::NAN), (5.0, f64::NAN)]),
             [(0.0, None), (0.0, Some(0.0))]
         );
     }
