@@ -115,7 +115,7 @@ pub struct HearingReport {
     pub sources: Vec<(Source, Option<Weighed>)>,
     /// End of the newest bin.
     pub until: Option<Time>,
-    /// Bins of [`BIN_S`], oldest first: [`BINS`], or none where nothing was ever weighed.
+    /// Bins of `BIN_S`, oldest first: `BINS`, or none where nothing was ever weighed.
     pub course: Vec<NisBin>,
 }
 
