@@ -8,7 +8,6 @@ use adit_observation::wire::{Packet, Resolution};
 use adit_observation::{DeviceId, Observation};
 use adit_simulation::Motion as _;
 use adit_simulation::people::Belt;
-use adit_simulation::radio::RangeDetail;
 use adit_simulation::radio::delivery::Stamped as _;
 use adit_simulation::workforce::{Mount, Outfit, RadioRates, TagStream, Workforce, WorkforceSpec, Worn};
 use anyhow::{Context, Result};
@@ -77,8 +76,7 @@ impl Crew {
     /// Puts the tags on; the shift begins when [`Self::begin_at`] says.
     pub fn new(mine: &Arc<Mine>, story: &Story, length_s: f64, seed: u64) -> Result<Self> {
         let plain = Outfit::plain(Mount::Belt(Belt::front()), 1.0);
-        let detail = RangeDetail::Diagnostics;
-        let radio = RadioRates { scan_hz: 0.2, portal_hz: 0.0, detail, ..plain.radio };
+        let radio = RadioRates { scan_hz: 0.2, portal_hz: 0.0, ..plain.radio };
         let outfit = Outfit { radio, ..plain };
         let spec = WorkforceSpec {
             outages: story.outages.clone(),

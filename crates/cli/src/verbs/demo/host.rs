@@ -51,7 +51,7 @@ fn write_settings(config: &Path, listen: SocketAddr, pace: Pace, sidecar: &str) 
             "[site]\nname = \"demo\"\nmine = \"mine.toml\"\ndata = \"data\"\n\n\
              [api]\nlisten = \"{listen}\"\n\n\
              [pipeline]\nsnapshot_s = 10.0\n\n\
-             [[profiles]]\nname = \"lamps\"\ntags = [\"*\"]\nmethod = \"fused\"\nsidecar = \"lamp.toml\"\nnlos = \"mine\"\n\n\
+             [[profiles]]\nname = \"lamps\"\ntags = [\"*\"]\nmethod = \"fused\"\nsidecar = \"lamp.toml\"\n\n\
              [rules.contact]\nsilence_after_s = {silence_s:?}\n\n\
              [clock]\nwall_ns = {wall_ns}\nworld_ns = {world_ns}\nspeed = {speed:?}\n"
         ),
